@@ -42,7 +42,7 @@ mod layer_solve;
 mod layer_timeline;
 mod moved_meshes;
 mod part_order;
-mod part_starts;
+mod part_triangle_ranges;
 mod screen_layer;
 mod screen_shape;
 mod time_sample;
@@ -132,6 +132,6 @@ pub use selection::{LayerShare, SharedPart};
 #[cfg(feature = "cli")]
 pub(crate) use sequence_report::{LayerPeaks, Peak, SequenceReport};
 pub use solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
-pub use still::{Device, Stop};
+pub use still::{Device, IsCancelled};
 pub use time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
 pub use trajectory_files::Keeping;

@@ -52,7 +52,7 @@ pub(crate) fn escaped(text: &str) -> Cow<'_, str> {
 }
 
 /// Formats a count with its noun: `1 frame`, `2 frames`. The noun may be followed by a verb.
-pub(crate) fn counted<N: Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+pub(crate) fn pluralised<N: Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     let words = if count == N::from(1) { one } else { many };
     format!("{count} {words}")
 }
@@ -81,7 +81,7 @@ pub(crate) fn ranges(frames: &[i32]) -> String {
 /// Whether a name matches a pattern in which `*` stands for any characters and `?` for one.
 ///
 /// On a mismatch, the last star takes one more character, so the search needs no recursion.
-pub(crate) fn fits(pattern: &str, name: &str) -> bool {
+pub(crate) fn matches_pattern(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
     let (mut p, mut n) = (0, 0);
     let mut star = None;
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn one_thing_is_not_told_as_many() {
-        let pins = |count: usize| counted(count, "pin is", "pins are");
+        let pins = |count: usize| pluralised(count, "pin is", "pins are");
         assert_eq!([0, 1, 2, 11].map(pins), ["0 pins are", "1 pin is", "2 pins are", "11 pins are"]);
     }
 
@@ -130,14 +130,14 @@ mod tests {
     }
 
     #[test]
-    fn patterns_fit_as_people_expect() {
+    fn patterns_match_as_people_expect() {
         for (pattern, name) in
             [("*", ""), ("Tea*", "Teapot"), ("*pot", "Teapot"), ("T?a*t", "Teapot"), ("a*b*c", "axbxbc")]
         {
-            assert!(fits(pattern, name), "{pattern} fits {name}");
+            assert!(matches_pattern(pattern, name), "{pattern} matches {name}");
         }
         for (pattern, name) in [("", "x"), ("Tea", "Teapot"), ("?", ""), ("a*b*c", "axbxb"), ("tea*", "Teapot")] {
-            assert!(!fits(pattern, name), "{pattern} does not fit {name}");
+            assert!(!matches_pattern(pattern, name), "{pattern} does not match {name}");
         }
     }
 

@@ -4,7 +4,7 @@ use glam::{DVec2, Mat4, Quat, Vec2, Vec3};
 use pinwarp::lattice::{Basis, Grid, ScreenLattice};
 use pinwarp::pose::{Pose, PosedPart};
 use pinwarp::raster::Geometry;
-use pinwarp::raster::geometry::{Assembly, PartWarp, Piece, PosedScene, assemble};
+use pinwarp::raster::geometry::{Assembly, PartWarp, PosedScene, Submesh, assemble};
 use pinwarp::scene::{AlphaMode, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
 use pinwarp::screen::Camera;
 use pinwarp::space::{FrameSize, ScenePoint, SceneVector, ScreenBox, ScreenPoint};
@@ -83,12 +83,12 @@ fn build(scene: &Scene, pose: &Pose, lattice: Option<&ScreenLattice>) -> Geometr
 fn build_warped(scene: &Scene, pose: &Pose, warps: &[PartWarp]) -> Geometry {
     let camera = camera();
     let now = PosedScene { pose, camera: &camera, warps };
-    let pieces = vec![vec![Piece { layer_id: 1, ..Piece::default() }]; pose.parts.len()];
+    let submeshes = vec![vec![Submesh { layer_id: 1, ..Submesh::default() }]; pose.parts.len()];
     assemble(&Assembly {
         scene,
         now,
         neighbours: None,
-        pieces: &pieces,
+        submeshes: &submeshes,
         lights: &[],
         environment: 1.0,
         line_width: WIDTH,

@@ -4,7 +4,7 @@
 
 use super::args::BakeArgs;
 use super::outcome::Outcome;
-use super::progress::Teller;
+use super::progress::EventPrinter;
 use super::render::cancel_on_interrupt;
 use crate::image::SequencePath;
 use crate::pipeline::{Keeping, PreparedShot, solve_ahead};
@@ -16,9 +16,9 @@ pub(super) fn run(args: &BakeArgs) -> anyhow::Result<Outcome> {
     SequencePath::parse(&output)?;
     let cancel = cancel_on_interrupt()?;
     let prepared = PreparedShot::new(shot)?.keeping_trajectories([output.as_path()], Keeping::Write);
-    let teller = Teller::new(args.progress.into());
-    let summary = solve_ahead(&prepared, &cancel, &|event| teller.tell_bake(&event));
-    teller.end()?;
+    let printer = EventPrinter::new(args.progress.into());
+    let summary = solve_ahead(&prepared, &cancel, &|event| printer.print_bake(&event));
+    printer.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }

@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use super::warnings::Warnings;
 use crate::image::SequencePath;
 use crate::pipeline::{Jerk, JerkMeter, Keeping, LayerReport, PreparedShot, report};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -40,7 +40,7 @@ impl Peaks {
         // No iterations are counted per frame for layers solved over time, as their solve precedes the frames.
         match self.iterations {
             0 => format!("its frames are solved jointly{jerk}"),
-            most => format!("solved in at most {} per frame{jerk}", counted(most, "iteration", "iterations")),
+            most => format!("solved in at most {} per frame{jerk}", pluralised(most, "iteration", "iterations")),
         }
     }
 }
@@ -60,7 +60,7 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     }
     let there = frames.iter().filter(|&&frame| output.path_of(frame).exists()).count();
     if there > 0 {
-        let there = counted(there, "of the frames exists", "of the frames exist");
+        let there = pluralised(there, "of the frames exists", "of the frames exist");
         writeln!(out, "note: {there} already; render with --resume or --overwrite")?;
     }
     let mut is_solved = true;
@@ -92,10 +92,10 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
         out,
         "{}: {}, {}, {}, {}",
         args.shot.display(),
-        counted(frames.len(), "frame", "frames"),
-        counted(shot.layers.len(), "layer", "layers"),
-        counted(prepared.scene.nodes.len(), "node", "nodes"),
-        counted(triangles, "triangle", "triangles")
+        pluralised(frames.len(), "frame", "frames"),
+        pluralised(shot.layers.len(), "layer", "layers"),
+        pluralised(prepared.scene.nodes.len(), "node", "nodes"),
+        pluralised(triangles, "triangle", "triangles")
     )?;
     for (layer, peaks) in &peaks {
         writeln!(out, "layer '{layer}': {}", peaks.words())?;

@@ -8,6 +8,7 @@ use super::outputs;
 use crate::compare::{self, ColorRun, Entry, SheetModel};
 use crate::image::{FileKind, write_png};
 use crate::pipeline::{Keeping, PreparedShot, input_files, layer_problem};
+use crate::shot::{Layer, LayerSpace, Shot};
 use crate::solve::Problem;
 use crate::solve::methods::{self, Deformer};
 use crate::solve::problem_file::{self, Figures};
@@ -57,11 +58,23 @@ fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
         input_files(&prepared)?.refuse(path)?;
     }
     let Some(posed) = layer_problem(&prepared, layer, f64::from(frame))? else {
-        bail!(
-            "layer {layer} has nothing to solve in frame {frame}: it is out of sight, has no pins that act, or lives in the world"
-        );
+        bail!("{}", why_unsolved(&prepared.shot, layer, frame));
     };
     run_plane(args, &SheetModel { problem: &posed.problem(), color_runs: &[], title: &title })
+}
+
+/// Returns why a layer of a shot has nothing to compare in a frame, and how to fix it.
+fn why_unsolved(shot: &Shot, layer: usize, frame: i32) -> String {
+    match shot.layers.get(layer) {
+        None => "the shot has no layers; add one with pins".to_owned(),
+        Some(Layer { name, space: LayerSpace::World { .. }, .. }) => {
+            format!("layer '{name}' is a world layer; choose a screen layer (--layer)")
+        }
+        Some(Layer { name, .. }) => format!(
+            "layer '{name}' has nothing to solve in frame {frame}: it is out of sight, or has no active pins; choose \
+             another frame (--frame) or layer (--layer)"
+        ),
+    }
 }
 
 fn run_plane(args: &CompareArgs, figure: &SheetModel) -> anyhow::Result<Outcome> {

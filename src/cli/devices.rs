@@ -2,7 +2,7 @@
 
 use super::outcome::Outcome;
 use crate::raster::vulkan::{self, DeviceInfo};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::io::{self, Write};
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
@@ -16,7 +16,7 @@ pub(super) fn run() -> anyhow::Result<Outcome> {
         Err(error) => writeln!(io::stderr(), "note: {error}")?,
     }
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    writeln!(out, "cpu  the built-in raster on {}", counted(threads, "thread", "threads"))?;
+    writeln!(out, "cpu  the built-in CPU rasteriser on {}", pluralised(threads, "thread", "threads"))?;
     Ok(Outcome::Complete)
 }
 

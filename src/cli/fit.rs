@@ -11,7 +11,7 @@ use crate::pipeline::{PreparedShot, Registration, input_files, layer_shape, pict
 use crate::shot::Shot;
 use crate::solve::Shape;
 use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
-use crate::spelling::{self, counted};
+use crate::spelling::{self, pluralised};
 use anyhow::{Context, bail};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -37,7 +37,7 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     let mut inputs = outputs::inputs_of([&args.a, &args.b, &args.pairs]);
     outputs::allow(&inputs, &args.output, args.overwrite)?;
     let dims = <[usize; 2]>::try_from(args.dims.as_slice()).ok().with_context(|| {
-        let given = counted(args.dims.len(), "number", "numbers");
+        let given = pluralised(args.dims.len(), "number", "numbers");
         format!("--dims has {given}, a lattice of the screen has 2 axes")
     })?;
     let landmarks = Landmarks::read(&args.pairs)?;
@@ -47,16 +47,19 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     check_inside(args, &landmarks, [subject.size, size_of_b])?;
     let pairs = pairs(&landmarks, subject.size, size_of_b);
     let found = register(&subject.shape, &pairs, dims, args.basis.unwrap_or_default())?;
-    tell(&landmarks, &found, subject.size)?;
+    print(&landmarks, &found, subject.size)?;
     let lattices = BTreeMap::from([(subject.frame, found.lattice)]);
     let (placements, branches, wholes) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
     let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements, branches, wholes };
     let file = LatticeFile { frame_aspect: subject.size.aspect(), rate: subject.rate, layers: vec![track] };
     file.write(&args.output)?;
     let output = args.output.display();
-    let landmarks = counted(pairs.len(), "landmark", "landmarks");
+    let landmarks = pluralised(pairs.len(), "landmark", "landmarks");
     writeln!(io::stdout(), "wrote {output}: {} x {} handles, {landmarks}", dims[0], dims[1])?;
-    writeln!(io::stdout(), "lay it over a layer of a shot: transfer = {{ lattice = \"{output}\", fit = \"as-is\" }}")?;
+    writeln!(
+        io::stdout(),
+        "to apply it to a layer of a shot: transfer = {{ lattice = \"{output}\", fit = \"as-is\" }}"
+    )?;
     Ok(Outcome::Complete)
 }
 
@@ -158,7 +161,7 @@ fn check_inside(args: &FitArgs, landmarks: &Landmarks, sizes: [FrameSize; 2]) ->
 }
 
 /// Prints the residuals and folds.
-fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
+fn print(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     let px = |length: f64| length * f64::from(size.height);
     for (pair, &residual) in landmarks.pairs.iter().zip(&found.residuals) {
@@ -175,7 +178,7 @@ fn tell(landmarks: &Landmarks, found: &Registration, size: FrameSize) -> anyhow:
         count => writeln!(
             out,
             "warning: {} over what is seen; look for landmarks that are swapped, or leave some out",
-            counted(count, "cell folds", "cells fold")
+            pluralised(count, "cell folds", "cells fold")
         )?,
     }
     for warning in &found.report.warnings {

@@ -7,7 +7,7 @@ use super::warnings::kind_of;
 use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, Summary, WarpEvent, WarpSummary};
 use crate::plate::Holes;
 use crate::solve::Spread;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How often a warning that recurs in many frames is printed; later ones are only counted.
-const REPEATS_TOLD: usize = 1;
+const MAX_REPEATS: usize = 1;
 
 /// The output format of progress events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,18 +32,18 @@ pub(super) enum ProgressForm {
 }
 
 /// Prints events in the selected format.
-pub(super) struct Teller {
+pub(super) struct EventPrinter {
     form: ProgressForm,
     bar: ProgressBar,
     begun: Instant,
     /// How a warp fills its holes.
     holes: Holes,
-    told: Mutex<BTreeMap<String, usize>>,
+    printed: Mutex<BTreeMap<String, usize>>,
     /// The first error of printing JSON.
     failed: Mutex<Option<io::Error>>,
 }
 
-impl Teller {
+impl EventPrinter {
     pub(super) fn new(form: ProgressForm) -> Self {
         let bar = if form == ProgressForm::Json || !io::stderr().is_terminal() {
             ProgressBar::hidden()
@@ -54,7 +54,14 @@ impl Teller {
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Self { form, bar, begun: Instant::now(), holes: Holes::Leave, told: Mutex::default(), failed: Mutex::default() }
+        Self {
+            form,
+            bar,
+            begun: Instant::now(),
+            holes: Holes::Leave,
+            printed: Mutex::default(),
+            failed: Mutex::default(),
+        }
     }
 
     /// Sets how the warp fills its holes.
@@ -63,7 +70,7 @@ impl Teller {
     }
 
     /// Prints one event of a render.
-    pub(super) fn tell(&self, event: &Event) {
+    pub(super) fn print_render(&self, event: &Event) {
         if self.form == ProgressForm::Json {
             return self.print_json(event);
         }
@@ -78,7 +85,7 @@ impl Teller {
     }
 
     /// Prints one event of a warp.
-    pub(super) fn tell_warp(&self, event: &WarpEvent) {
+    pub(super) fn print_warp(&self, event: &WarpEvent) {
         if self.form == ProgressForm::Json {
             return self.print_json(event);
         }
@@ -105,7 +112,7 @@ impl Teller {
     }
 
     /// Prints one event of a bake.
-    pub(super) fn tell_bake(&self, event: &BakeEvent) {
+    pub(super) fn print_bake(&self, event: &BakeEvent) {
         if self.form == ProgressForm::Json {
             return self.print_json(event);
         }
@@ -119,7 +126,7 @@ impl Teller {
             BakeEvent::Started { layers, solve_range: [first, last] } => {
                 self.bar.set_length(0);
                 self.bar.enable_steady_tick(Duration::from_millis(500));
-                self.line(&format!("{} over frames {first} to {last}", counted(*layers, "layer", "layers")));
+                self.line(&format!("{} over frames {first} to {last}", pluralised(*layers, "layer", "layers")));
             }
             BakeEvent::Progress { layer, done, of } => self.baking(layer, *done, *of),
             BakeEvent::LayerDone(baked) => self.line(&baked_in_words(baked)),
@@ -127,7 +134,7 @@ impl Teller {
             BakeEvent::Finished(summary) => {
                 self.bar.finish_and_clear();
                 let BakeSummary { solved, kept, failed, is_cancelled, wall_secs } = summary;
-                let solved = counted(*solved, "layer", "layers");
+                let solved = pluralised(*solved, "layer", "layers");
                 let kept = if *kept > 0 { format!(", {kept} kept") } else { String::new() };
                 let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
                 let stopped = if *is_cancelled { "; stopped: go on with the same command" } else { "" };
@@ -138,28 +145,28 @@ impl Teller {
 
     /// Advances the bar of a bake. Layers are solved in parallel, so the bar shows their sum.
     fn baking(&self, layer: &str, done: usize, of: usize) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if !told.contains_key(layer) {
+        let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
+        if !printed.contains_key(layer) {
             self.bar.inc_length(of as u64);
         }
-        let before = told.insert(layer.to_owned(), done).unwrap_or_default();
+        let before = printed.insert(layer.to_owned(), done).unwrap_or_default();
         self.bar.inc(done.saturating_sub(before) as u64);
-        drop(told);
-        self.tell_scheduler(&format!("layer '{layer}': {done} of {of}"));
+        drop(printed);
+        self.print_scheduler_status(&format!("layer '{layer}': {done} of {of}"));
     }
 
     fn started(&self, frames: usize, place: &str, kept: usize) {
         self.bar.set_length(frames as u64);
         self.bar.enable_steady_tick(Duration::from_millis(500));
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
-        self.line(&format!("{}{place}{kept}", counted(frames, "frame", "frames")));
-        self.tell_scheduler(&format!("{} to make", counted(frames, "frame", "frames")));
+        self.line(&format!("{}{place}{kept}", pluralised(frames, "frame", "frames")));
+        self.print_scheduler_status(&format!("{} to make", pluralised(frames, "frame", "frames")));
     }
 
     fn frame_failed(&self, frame: i32, error: &str) {
         self.bar.inc(1);
         self.line(&format!("error: frame {frame}: {error}"));
-        self.tell_scheduler(&format!("frame {frame} failed"));
+        self.print_scheduler_status(&format!("frame {frame} failed"));
     }
 
     fn frame_done(&self, frame: i32, path: &Path, warnings: &[String]) {
@@ -172,34 +179,34 @@ impl Teller {
         if self.bar.is_hidden() {
             self.line(&format!("frame {frame} -> {}", path.display()));
         }
-        self.tell_scheduler(&format!("frame {frame} is done"));
+        self.print_scheduler_status(&format!("frame {frame} is done"));
     }
 
     /// Counts repeated warnings by their text without numbers, as these often vary from frame to frame.
     fn warn(&self, frame: i32, warning: &str) {
         let kind = kind_of(warning);
         let count = {
-            let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-            let count = told.entry(kind).or_default();
+            let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
+            let count = printed.entry(kind).or_default();
             *count += 1;
             *count
         };
-        if count <= REPEATS_TOLD {
+        if count <= MAX_REPEATS {
             self.line(&format!("warning: frame {frame}: {warning}"));
         }
     }
 
     fn finished(&self, totals: &Totals) {
         self.bar.finish_and_clear();
-        let told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        for (kind, count) in told.iter().filter(|(_, count)| **count > REPEATS_TOLD) {
-            self.line(&format!("warning: {}: {kind}", counted(count - REPEATS_TOLD, "more time", "more times")));
+        let printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
+        for (kind, count) in printed.iter().filter(|(_, count)| **count > MAX_REPEATS) {
+            self.line(&format!("warning: {}: {kind}", pluralised(count - MAX_REPEATS, "more time", "more times")));
         }
         let Totals { done, failed, is_cancelled, wall_secs, busy } = totals;
         let fps = *done as f64 / wall_secs;
         let failed = if *failed > 0 { format!(", {failed} FAILED") } else { String::new() };
         let stopped = if *is_cancelled { "; stopped: go on with --resume" } else { "" };
-        let done = counted(*done, "frame", "frames");
+        let done = pluralised(*done, "frame", "frames");
         self.line(&format!("{done} in {wall_secs:.1} s ({fps:.2} fps){failed}{stopped}"));
         let busy: Vec<String> = busy.iter().map(|(stage, ms)| format!("{stage} {ms:.0} ms")).collect();
         tracing::info!("busy: {}", busy.join(", "));
@@ -208,7 +215,7 @@ impl Teller {
     fn print_json(&self, event: &impl Serialize) {
         match serde_json::to_string(event) {
             Ok(line) => self.print(&(line + "\n")),
-            Err(error) => self.tell_failure(error.into()),
+            Err(error) => self.store_failure(error.into()),
         }
     }
 
@@ -217,17 +224,17 @@ impl Teller {
     fn print(&self, lines: &str) {
         let mut out = io::stdout().lock();
         if let Err(error) = out.write_all(lines.as_bytes()).and_then(|()| out.flush()) {
-            self.tell_failure(error);
+            self.store_failure(error);
         }
     }
 
     /// Stores the first error until the end.
-    fn tell_failure(&self, error: io::Error) {
+    fn store_failure(&self, error: io::Error) {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 
     /// Prints the progress in percent, and the last status.
-    fn tell_scheduler(&self, status: &str) {
+    fn print_scheduler_status(&self, status: &str) {
         if self.form == ProgressForm::OpenJd {
             let all = self.bar.length().unwrap_or_default();
             let part = if all == 0 { 1.0 } else { self.bar.position() as f64 / all as f64 };
@@ -256,14 +263,14 @@ impl Teller {
 /// Describes the result of a baked layer.
 fn baked_in_words(baked: &BakedLayer) -> String {
     let BakedLayer { layer, path, is_kept, knots, spreads, wall_secs } = baked;
-    let times = counted(*knots, "time", "times");
+    let times = pluralised(*knots, "time", "times");
     let done = if *is_kept { "kept".to_owned() } else { format!("solved at {times} in {wall_secs:.1} s") };
     let spread = |spread: &Spread| format!("{} to {}", spread.frames[0], spread.frames[1]);
     let spreads: Vec<String> = spreads.iter().map(spread).collect();
-    let told =
+    let printed =
         if spreads.is_empty() { String::new() } else { format!("; snaps spread over frames {}", spreads.join(", ")) };
     let path = path.as_ref().map(|path| format!(" -> {}", path.display())).unwrap_or_default();
-    format!("layer '{layer}' {done}{path}{told}")
+    format!("layer '{layer}' {done}{path}{printed}")
 }
 
 /// The summary line of a render or a warp.
@@ -294,9 +301,9 @@ impl Totals {
 fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
     let hole_pixels = if *fill == Holes::Leave { hole_pixels } else { 0 };
     let empty =
-        counted(hole_pixels, "pixel that a layer uncovered is empty", "pixels that a layer uncovered are empty");
+        pluralised(hole_pixels, "pixel that a layer uncovered is empty", "pixels that a layer uncovered are empty");
     let holes = format!("{empty}; fill holes by --clean or `holes`");
-    let contained = counted(
+    let contained = pluralised(
         contained_samples,
         "sample was not finite and was replaced",
         "samples were not finite and were replaced",
@@ -312,9 +319,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn holes_that_are_filled_are_not_told() {
-        let told = |fill: &Holes| findings(fill, 7, 0).collect::<Vec<_>>();
-        assert!(told(&Holes::Leave)[0].starts_with("7 pixels"), "{:?}", told(&Holes::Leave));
-        assert_eq!((told(&Holes::Geometry), findings(&Holes::Geometry, 7, 2).count()), (Vec::new(), 1));
+    fn holes_that_are_filled_are_not_reported() {
+        let printed = |fill: &Holes| findings(fill, 7, 0).collect::<Vec<_>>();
+        assert!(printed(&Holes::Leave)[0].starts_with("7 pixels"), "{:?}", printed(&Holes::Leave));
+        assert_eq!((printed(&Holes::Geometry), findings(&Holes::Geometry, 7, 2).count()), (Vec::new(), 1));
     }
 }

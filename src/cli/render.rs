@@ -4,7 +4,7 @@
 
 use super::args::{DrawArgs, RenderArgs};
 use super::outcome::Outcome;
-use super::progress::Teller;
+use super::progress::EventPrinter;
 use crate::pipeline::{self, Keeping, PreparedShot, RenderOptions};
 use crate::shot::Shot;
 use std::path::PathBuf;
@@ -38,9 +38,9 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
     let outputs = [shot.output.path.clone(), own_output];
     let outputs = outputs.iter().map(PathBuf::as_path);
     let prepared = PreparedShot::new(shot)?.keeping_trajectories(outputs, Keeping::Write);
-    let teller = Teller::new(args.progress.into());
-    let summary = pipeline::render(&prepared, &options, &cancel, &|event| teller.tell(&event))?;
-    teller.end()?;
+    let printer = EventPrinter::new(args.progress.into());
+    let summary = pipeline::render(&prepared, &options, &cancel, &|event| printer.print_render(&event))?;
+    printer.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }

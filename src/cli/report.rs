@@ -12,7 +12,7 @@ use super::warnings::Warnings;
 use crate::image::{ContactSheet, FileKind, SequencePath, preview, read_any, write_png};
 use crate::pipeline::{LayerPeaks, Peak, SequenceReport};
 use crate::shot::Shot;
-use crate::spelling::{counted, ranges};
+use crate::spelling::{pluralised, ranges};
 use anyhow::bail;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -117,7 +117,7 @@ fn sequences(args: &ReportArgs) -> anyhow::Result<Vec<(SequencePath, Vec<i32>)>>
             (None, None) => vec![own_frame(&path)?],
             (None, Some(there)) => {
                 let (Some(&first), Some(&last)) = (there.first(), there.last()) else {
-                    bail!("{}: there are no such frames", path.pattern().display());
+                    bail!("{}: no frame of this sequence exists", path.pattern().display());
                 };
                 (first..=last).collect()
             }
@@ -139,7 +139,7 @@ fn own_frame(path: &SequencePath) -> anyhow::Result<i32> {
 fn faults(report: &SequenceReport, limits: &Limits) -> Vec<String> {
     let mut faults = Vec::new();
     if !report.missing.is_empty() {
-        let count = counted(report.missing.len(), "frame is missing", "frames are missing");
+        let count = pluralised(report.missing.len(), "frame is missing", "frames are missing");
         faults.push(format!("{count}: {}", ranges(&report.missing)));
     }
     for damaged in &report.damaged {
@@ -165,14 +165,14 @@ fn faults(report: &SequenceReport, limits: &Limits) -> Vec<String> {
     }
     over("number of uncovered pixels", report.hole_pixels, limits.max_holes.map(|count| count as f64));
     if let Some(most) = limits.max_warnings.filter(|&most| report.warnings.len() > most) {
-        faults.push(format!("{}, at most {most} allowed", counted(report.warnings.len(), "warning", "warnings")));
+        faults.push(format!("{}, at most {most} allowed", pluralised(report.warnings.len(), "warning", "warnings")));
     }
     faults
 }
 
 fn print(path: &SequencePath, report: &SequenceReport, faults: &[String]) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    writeln!(out, "{}: {}", path.pattern().display(), counted(report.frames, "whole frame", "whole frames"))?;
+    writeln!(out, "{}: {}", path.pattern().display(), pluralised(report.frames, "complete frame", "complete frames"))?;
     let mut warnings = Warnings::default();
     report.warnings.iter().for_each(|(frame, warning)| warnings.add(*frame, warning));
     for line in warnings.lines() {
@@ -196,7 +196,7 @@ fn figures(layer: &LayerPeaks) -> String {
         peak.map(|peak| format!("{what} {}{unit} (frame {})", short(peak.value), peak.frame))
     };
     let frames =
-        |count: usize, what: &str| (count > 0).then(|| format!("{what} in {}", counted(count, "frame", "frames")));
+        |count: usize, what: &str| (count > 0).then(|| format!("{what} in {}", pluralised(count, "frame", "frames")));
     let words = [
         told("pins off by at most", layer.pin_error_px, " px"),
         told("least det J", layer.min_det, ""),
@@ -235,7 +235,7 @@ fn contact_sheet(
     // A missing or damaged frame has an empty tile, even if only its pixels are damaged.
     let read = |frame: i32| read_any(&path.path_of(frame)).ok().map(|plate| preview(&plate.into_frame()));
     let first = shown.iter().find_map(|&frame| read(frame));
-    let Some(first) = first else { bail!("there is no whole frame to show on a contact sheet") };
+    let Some(first) = first else { bail!("there is no complete frame to show on a contact sheet") };
     let columns = ((shown.len() as f64).sqrt().ceil() as usize).clamp(1, 12);
     let mut sheet = ContactSheet::new(shown.len(), columns, TILE_WIDTH, [first.width, first.height]);
     for frame in shown {

@@ -8,7 +8,7 @@ use super::outputs;
 use crate::export::{LatticeBranches, LatticeFile, Track};
 use crate::lattice::{Basis, Lattice};
 use crate::pipeline::lattices_of_file;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{Context, anyhow};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -54,7 +54,7 @@ fn resize_branches(
 /// Resizes the lattices of all frames; returns the largest error.
 fn resize<const D: usize>(lattices: &mut BTreeMap<i32, Lattice<D>>, args: &ResizeArgs) -> anyhow::Result<f64> {
     let dims = <[usize; D]>::try_from(args.dims.as_slice()).map_err(|_| {
-        anyhow!("--dims has {}, the lattice has {D} axes", counted(args.dims.len(), "number", "numbers"))
+        anyhow!("--dims has {}, the lattice has {D} axes", pluralised(args.dims.len(), "number", "numbers"))
     })?;
     let mut worst = 0.0_f64;
     for lattice in lattices.values_mut() {

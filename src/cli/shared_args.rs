@@ -39,7 +39,7 @@ pub(super) struct ExistingArgs {
     /// Keep existing frames that are up to date and render the others.
     ///
     /// A frame is kept if its file is complete and records that it was made by the same version of pinwarp from the same state of
-    /// the shot, in the same size and on the same class of device. Every other frame is made again, and the reason is given.
+    /// the shot, in the same size and on the same class of device. Every other frame is rendered again, and the reason is given.
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
     /// With --resume: read kept frames completely and compare their pixels with their checksums.

@@ -42,7 +42,7 @@ fn target(path: &Path) -> anyhow::Result<FileKind> {
         })?;
     if matches!(kind, FileKind::Picture(_)) && !path.is_file() && SequencePath::parse(path)?.has_counter() {
         bail!(
-            "--onto {0}: pictures of a shot stand still, this is a sequence; warp it with \
+            "--onto {0}: pictures of a shot are single images, but this is a sequence; warp it with \
              `pinwarp warp {0} --lattice FILE`",
             path.display()
         );
@@ -57,7 +57,9 @@ fn target(path: &Path) -> anyhow::Result<FileKind> {
 fn fit(args: &TransferArgs) -> anyhow::Result<TransferFit> {
     match (args.fit, &args.landmarks) {
         (Some(FitKind::Landmarks) | None, Some(text)) => Ok(TransferFit::Landmarks(landmarks(text)?)),
-        (Some(FitKind::Landmarks), None) => bail!("--fit landmarks needs --landmarks: pairs of points there and here"),
+        (Some(FitKind::Landmarks), None) => {
+            bail!("--fit landmarks needs --landmarks: pairs of points [source, target]")
+        }
         (Some(_), Some(_)) => bail!("--landmarks goes with --fit landmarks; leave one of them out"),
         (Some(FitKind::AsIs), None) => Ok(TransferFit::AsIs),
         (Some(FitKind::Box) | None, None) => Ok(TransferFit::Box),
@@ -66,7 +68,7 @@ fn fit(args: &TransferArgs) -> anyhow::Result<TransferFit> {
 
 /// Parses pairs of points from the text itself, or from the file that it names.
 fn landmarks(text: &str) -> anyhow::Result<Vec<[ScreenPoint; 2]>> {
-    const WANTED: &str = "pairs of screen points are needed, there and here: [[[0.5,0.5],[0.9,0.4]]]";
+    const WANTED: &str = "pairs of screen points [source, target] are needed: [[[0.5,0.5],[0.9,0.4]]]";
     let is_inline = text.trim_start().starts_with('[');
     let json = if is_inline {
         text.to_owned()

@@ -3,7 +3,7 @@
 //! In: plates, and a shot, a lattice file or STMaps. Out: files; progress events.
 
 use super::outcome::Outcome;
-use super::progress::Teller;
+use super::progress::EventPrinter;
 use super::render::cancel_on_interrupt;
 use super::warp_args::WarpArgs;
 use crate::export::LatticeFile;
@@ -35,9 +35,9 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         inputs: args.lattice.iter().cloned().collect(),
     };
     let cancel = cancel_on_interrupt()?;
-    let teller = Teller::new(args.progress.into()).of_holes(&job.settings.holes);
-    let summary = pipeline::warp_frames(&job, &cancel, &|event| teller.tell_warp(&event))?;
-    teller.end()?;
+    let printer = EventPrinter::new(args.progress.into()).of_holes(&job.settings.holes);
+    let summary = pipeline::warp_frames(&job, &cancel, &|event| printer.print_warp(&event))?;
+    printer.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }

@@ -7,7 +7,7 @@ use crate::image::{Canvas, Preview, Rgba8};
 use crate::lattice::Lattice;
 use crate::solve::Problem;
 use crate::space::ImagePoint;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -209,8 +209,8 @@ fn draw_pins(canvas: &mut Canvas, view: &PanelTransform, figure: &SheetModel, sh
 fn rest_words(canvas: &mut Canvas, at: DVec2, figure: &SheetModel) {
     let Problem { shape, grid, pins, .. } = figure.problem;
     canvas.text(ImagePoint(at), figure.title, 2, NAME);
-    let vertices = counted(shape.points.len(), "vertex", "vertices");
-    let pins = counted(pins.len(), "pin", "pins");
+    let vertices = pluralised(shape.points.len(), "vertex", "vertices");
+    let pins = pluralised(pins.len(), "pin", "pins");
     let counts = format!("{vertices}, {} x {} handles, {pins}", grid.dims[0], grid.dims[1]);
     canvas.text(ImagePoint(at + DVec2::new(0.0, 30.0)), &counts, 2, TEXT);
     canvas.text(ImagePoint(at + DVec2::new(0.0, 56.0)), "at rest; rings: where the pins have to go", 2, TEXT);
@@ -230,7 +230,7 @@ fn words(canvas: &mut Canvas, at: DVec2, entry: &Entry<2>, entries: &[Entry<2>])
     put(0.0, 30.0, &format!("angle {angle:.3}"), ink(angle, |metrics| metrics.angle));
     put(156.0, 30.0, &format!("area {area:.3}"), ink(area, |metrics| metrics.area));
     put(312.0, 30.0, &format!("pins off {:.2} %", 100.0 * pin_error), TEXT);
-    let (folded, flips) = (counted(folded_cells, "cell", "cells"), counted(flips, "flip", "flips"));
+    let (folded, flips) = (pluralised(folded_cells, "cell", "cells"), pluralised(flips, "flip", "flips"));
     let turned = format!("{folded} folded, {flips}, {iterations} it, {ms:.1} ms");
     put(0.0, 56.0, &turned, TEXT);
 }

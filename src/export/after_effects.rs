@@ -5,7 +5,7 @@
 
 use crate::files::GENERATOR;
 use crate::plate::WarpMap;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// The settings for a sequence of maps.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ impl DisplacementNote {
         let reach = f64::from(*reach_px);
         let of_file = reach / 32767.0;
         let of_program = reach / 16384.0;
-        let pace = counted(*rate, "frame", "frames");
+        let pace = pluralised(*rate, "frame", "frames");
         format!(
             "Displacement maps for After Effects, written by {GENERATOR}, `pinwarp export --to after-effects`.\n\n\
              maps:      {maps}, frames {first} to {last}, {rate} a second, {width} x {height} pixels, 16 bits\n\

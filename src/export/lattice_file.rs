@@ -9,7 +9,7 @@ use crate::files::{GENERATOR, LATTICE_BYTES, read_text};
 use crate::image::replace_text;
 use crate::lattice::{BoxFrame, Grid, Lattice};
 use crate::plate::WholeWarp;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::DMat3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -180,7 +180,7 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
 
 fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, Lattice<D>>, Fault> {
     let dims = <[usize; D]>::try_from(raw.dims.as_slice()).map_err(|_| {
-        let given = counted(raw.dims.len(), "entry", "entries");
+        let given = pluralised(raw.dims.len(), "entry", "entries");
         fault(format!("{key}.dims"), format!("has {given}"), format!("this space has {D} axes"))
     })?;
     if raw.frames.is_empty() {
@@ -197,7 +197,7 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
         let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)? };
         grid.check().map_err(|error| fault(key.clone(), error.to_string(), "export it again"))?;
         if frame.handles.len() != grid.handle_count() {
-            let given = counted(frame.handles.len(), "handle", "handles");
+            let given = pluralised(frame.handles.len(), "handle", "handles");
             let what = format!("{given}, dims {dims:?} have {}", grid.handle_count());
             return Err(fault(format!("{key}.handles"), what, "list all, x fastest"));
         }

@@ -6,7 +6,7 @@
 use super::atomic::{Destination, replace_file};
 use super::{Channel, ImageError, Storage, exr_head};
 use crate::space::PixelRect;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use exr::block::lines::LineRefMut;
 use exr::image::write::WritableImage;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
@@ -72,8 +72,8 @@ pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<
     let mut names = HashSet::new();
     for Channel { name, samples, .. } in channels {
         if samples.len() != window.area() {
-            let found = counted(samples.len(), "sample", "samples");
-            return Err(format!("channel '{name}' has {found} for {}", counted(window.area(), "pixel", "pixels")));
+            let found = pluralised(samples.len(), "sample", "samples");
+            return Err(format!("channel '{name}' has {found} for {}", pluralised(window.area(), "pixel", "pixels")));
         }
         if name.is_empty() || name.len() > 255 || name.bytes().any(|byte| byte == 0) {
             return Err(format!("'{name}' is not a valid channel name; use 1 to 255 characters"));
@@ -87,7 +87,7 @@ pub(super) fn check_channels(channels: &[Channel], window: PixelRect) -> Result<
 
 /// Treatment of NaN, and of infinities in half channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wild {
+pub(super) enum NonFinitePolicy {
     /// NaN becomes 0, infinity the largest half float.
     Contained,
     /// Preserved; finite numbers still never become infinite.
@@ -98,15 +98,15 @@ pub(super) enum Wild {
 #[derive(Clone, Copy)]
 pub(super) struct Lines<'a> {
     storage: Storage,
-    wild: Wild,
+    non_finite: NonFinitePolicy,
     samples: &'a [f32],
     /// Width in pixels; 0 until the header is known.
     width: usize,
 }
 
 impl<'a> Lines<'a> {
-    pub(super) fn of(channel: &'a Channel, wild: Wild) -> Self {
-        Self { storage: channel.storage, wild, samples: &channel.samples, width: 0 }
+    pub(super) fn of(channel: &'a Channel, non_finite: NonFinitePolicy) -> Self {
+        Self { storage: channel.storage, non_finite, samples: &channel.samples, width: 0 }
     }
 }
 
@@ -134,13 +134,15 @@ impl SamplesWriter for Lines<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let start = line.location.position.y() * self.width + line.location.position.x();
         let samples = &self.samples[start..start + line.location.sample_count];
-        match (self.storage, self.wild) {
-            (Storage::Half, Wild::Contained) => write_halves(samples, line.value, contained_in_half),
-            (Storage::Half, Wild::Kept) => write_halves(samples, line.value, finite_in_half),
-            (Storage::Float, Wild::Contained) => {
+        match (self.storage, self.non_finite) {
+            (Storage::Half, NonFinitePolicy::Contained) => write_halves(samples, line.value, contained_in_half),
+            (Storage::Half, NonFinitePolicy::Kept) => write_halves(samples, line.value, finite_in_half),
+            (Storage::Float, NonFinitePolicy::Contained) => {
                 write_words(samples, line.value, |sample| if sample.is_nan() { 0 } else { sample.to_bits() })
             }
-            (Storage::Float, Wild::Kept) | (Storage::Uint, _) => write_words(samples, line.value, f32::to_bits),
+            (Storage::Float, NonFinitePolicy::Kept) | (Storage::Uint, _) => {
+                write_words(samples, line.value, f32::to_bits)
+            }
         }
     }
 }

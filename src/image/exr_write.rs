@@ -4,7 +4,7 @@
 //! all cores. Samples are converted line by line, so the frame is not copied.
 
 use super::atomic::Destination;
-use super::exr_file::{self, Lines, Wild, check_aspect, check_channels, check_window, size_of, text};
+use super::exr_file::{self, Lines, NonFinitePolicy, check_aspect, check_channels, check_window, size_of, text};
 use super::{Channel, Compression, Frame, FrameMetadata, ImageError, Storage, metadata};
 use crate::space::{FrameSize, PixelRect};
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image, Layer, Layers};
@@ -114,7 +114,7 @@ impl<'a> Part<'a> {
         let channels = self
             .channels
             .iter()
-            .map(|channel| AnyChannel::new(text(&channel.name), Lines::of(channel, Wild::Contained)));
+            .map(|channel| AnyChannel::new(text(&channel.name), Lines::of(channel, NonFinitePolicy::Contained)));
         Layer::new(size_of(window), attributes, encoding, AnyChannels::sort(channels.collect()))
     }
 }

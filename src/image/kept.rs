@@ -36,7 +36,7 @@ pub(crate) enum Depth {
 
 /// Why a frame is written again.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Redo {
+pub(crate) enum StaleReason {
     /// The file does not exist.
     Missing,
     /// The file is truncated or damaged.
@@ -61,7 +61,7 @@ pub(crate) enum Redo {
     Preview,
 }
 
-impl fmt::Display for Redo {
+impl fmt::Display for StaleReason {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Missing => out.write_str("it is missing"),
@@ -85,12 +85,12 @@ impl fmt::Display for Redo {
 /// Returns the metadata of a frame after checking that its file is complete.
 ///
 /// # Errors
-/// [`Redo::Missing`], [`Redo::Damaged`], [`Redo::Foreign`] or, if the pixels are read, [`Redo::Checksum`].
+/// [`StaleReason::Missing`], [`StaleReason::Damaged`], [`StaleReason::Foreign`] or, if the pixels are read, [`StaleReason::Checksum`].
 #[cfg(feature = "cli")]
-pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Redo> {
+pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, StaleReason> {
     let (found, _) = fields(path)?;
     if depth == Depth::Pixels && !has_right_pixels(path) {
-        return Err(Redo::Checksum);
+        return Err(StaleReason::Checksum);
     }
     Ok(FrameMetadata::from_provenance(found))
 }
@@ -99,19 +99,19 @@ pub(crate) fn read_whole(path: &Path, depth: Depth) -> Result<FrameMetadata, Red
 ///
 /// # Errors
 /// The reason if it does not.
-pub(crate) fn check_kept(path: &Path, expected: &Expected, depth: Depth) -> Result<(), Redo> {
+pub(crate) fn check_kept(path: &Path, expected: &Expected, depth: Depth) -> Result<(), StaleReason> {
     let (found, size) = fields(path)?;
     expected.check(&found, size)?;
     if depth == Depth::Pixels && !has_right_pixels(path) {
-        return Err(Redo::Checksum);
+        return Err(StaleReason::Checksum);
     }
     Ok(())
 }
 
 /// Returns the metadata of a complete file, and its size in pixels.
-fn fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
+fn fields(path: &Path) -> Result<(Provenance, [u32; 2]), StaleReason> {
     if !path.is_file() {
-        return Err(if super::is_there(path) { Redo::Damaged } else { Redo::Missing });
+        return Err(if super::is_there(path) { StaleReason::Damaged } else { StaleReason::Missing });
     }
     match PictureKind::of(path) {
         Some(PictureKind::Png) => png_fields(path),
@@ -120,21 +120,21 @@ fn fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
 }
 
 /// Returns the metadata of a complete PNG file, and its size in pixels.
-fn png_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
-    let note = png_note::read(path).map_err(|_| Redo::Damaged)?;
-    Ok((note.fields.ok_or(Redo::Foreign)?, note.size))
+fn png_fields(path: &Path) -> Result<(Provenance, [u32; 2]), StaleReason> {
+    let note = png_note::read(path).map_err(|_| StaleReason::Damaged)?;
+    Ok((note.fields.ok_or(StaleReason::Foreign)?, note.size))
 }
 
 /// Returns the metadata of a complete EXR file, and the size of its display window in pixels.
-fn exr_fields(path: &Path) -> Result<(Provenance, [u32; 2]), Redo> {
+fn exr_fields(path: &Path) -> Result<(Provenance, [u32; 2]), StaleReason> {
     if !complete::is_complete(path) {
-        return Err(Redo::Damaged);
+        return Err(StaleReason::Damaged);
     }
-    let head = exr_guard::read_head(path).map_err(|_| Redo::Damaged)?;
-    let first = head.headers.first().ok_or(Redo::Damaged)?;
+    let head = exr_guard::read_head(path).map_err(|_| StaleReason::Damaged)?;
+    let first = head.headers.first().ok_or(StaleReason::Damaged)?;
     let window = first.shared_attributes.display_window.size;
     let size = [window.width(), window.height()].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
-    Ok((provenance::from_layer(&first.own_attributes).ok_or(Redo::Foreign)?, size))
+    Ok((provenance::from_layer(&first.own_attributes).ok_or(StaleReason::Foreign)?, size))
 }
 
 /// Verifies the pixels. The chunk checksums of a PNG file have already been verified with its metadata.
@@ -143,20 +143,20 @@ fn has_right_pixels(path: &Path) -> bool {
 }
 
 impl Expected<'_> {
-    fn check(&self, found: &Provenance, [width, height]: [u32; 2]) -> Result<(), Redo> {
+    fn check(&self, found: &Provenance, [width, height]: [u32; 2]) -> Result<(), StaleReason> {
         let is_of_size = self.size.is_none_or(|size| [size.width, size.height] == [width, height]);
         if found.version != provenance::VERSION {
-            Err(Redo::OtherVersion(found.version.clone()))
+            Err(StaleReason::OtherVersion(found.version.clone()))
         } else if found.frame != self.frame {
-            Err(Redo::OtherFrame(found.frame))
+            Err(StaleReason::OtherFrame(found.frame))
         } else if !is_of_size {
-            Err(Redo::OtherSize([width, height]))
+            Err(StaleReason::OtherSize([width, height]))
         } else if found.shot_hash != self.shot_hash {
             let settings = |hash: &str| hash.split_once('.').map(|(settings, _)| settings.to_owned());
             let is_same_shot = settings(&found.shot_hash).is_some_and(|own| settings(self.shot_hash) == Some(own));
-            Err(if is_same_shot { Redo::OtherContents } else { Redo::OtherShot })
+            Err(if is_same_shot { StaleReason::OtherContents } else { StaleReason::OtherShot })
         } else if is_processor(&found.device) != is_processor(self.device) {
-            Err(Redo::OtherDevice(found.device.clone()))
+            Err(StaleReason::OtherDevice(found.device.clone()))
         } else {
             Ok(())
         }

@@ -50,7 +50,7 @@ pub use guard::Existing;
 pub(crate) use guard::{Inputs, is_there};
 #[cfg(feature = "cli")]
 pub(crate) use kept::read_whole;
-pub(crate) use kept::{Depth, Expected, Redo, check_kept};
+pub(crate) use kept::{Depth, Expected, StaleReason, check_kept};
 pub use kind::{FileKind, PictureKind};
 pub use mask::PaintedMap;
 pub use metadata::{CameraMatrices, FrameMetadata};

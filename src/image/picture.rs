@@ -188,7 +188,7 @@ impl<'a> Colour<'a> {
         let mut codes = vec![0; count * display.area()];
         codes.par_chunks_exact_mut((count * width).max(1)).enumerate().for_each(|(row, line)| {
             for (column, pixel) in line.chunks_exact_mut(count).enumerate() {
-                let Some(index) = self.window.place_of(display.pixel_at(row * width + column)) else { continue };
+                let Some(index) = self.window.sample_index(display.pixel_at(row * width + column)) else { continue };
                 let colour = self.red_green_blue.map(|samples| samples.map_or(0.0, |samples| samples[index]));
                 let alpha = self.alpha.map_or(1.0, |samples| samples[index]);
                 pixel.copy_from_slice(&code(colour, alpha)[..count]);

@@ -3,7 +3,7 @@
 //! In: [`Plate`]. Out: a file with the same parts, channels, attributes, compression and tiles.
 
 use super::atomic::Destination;
-use super::exr_file::{self, Lines, Wild, check_aspect, check_channels, check_window, size_of, text};
+use super::exr_file::{self, Lines, NonFinitePolicy, check_aspect, check_channels, check_window, size_of, text};
 use super::{Channel, ImageError, Plate, PlatePart};
 use crate::space::PixelRect;
 use exr::image::{AnyChannel, AnyChannels, Image, Layer};
@@ -85,7 +85,7 @@ fn exr_layer(part: &PlatePart) -> Layer<AnyChannels<Lines<'_>>> {
 }
 
 fn exr_channel<'a>(part: &PlatePart, channel: &'a Channel) -> AnyChannel<Lines<'a>> {
-    let new = AnyChannel::new(text(&channel.name), Lines::of(channel, Wild::Kept));
+    let new = AnyChannel::new(text(&channel.name), Lines::of(channel, NonFinitePolicy::Kept));
     let quantize_linearly = part.linear.get(&channel.name).copied().unwrap_or(new.quantize_linearly);
     AnyChannel { quantize_linearly, ..new }
 }

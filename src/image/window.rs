@@ -26,7 +26,7 @@ impl Frame {
         }
         let from = self.data_window;
         let channels = self.channels.into_iter().map(|channel| {
-            let samples = from.over(&channel.samples, covered, channel.empty_value());
+            let samples = from.resized_samples(&channel.samples, covered, channel.empty_value());
             Channel { samples, ..channel }
         });
         Self { data_window: covered, channels: channels.collect(), ..self }

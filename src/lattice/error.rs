@@ -1,6 +1,6 @@
 //! Errors of grid validation.
 
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// An invalid grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -9,7 +9,7 @@ pub enum LatticeError {
     /// Too few or too many handles on an axis.
     #[error(
         "the lattice has {} on axis {axis}, but the {basis:?} basis needs {least} to {most}; change `dims`",
-        counted(*found, "handle", "handles")
+        pluralised(*found, "handle", "handles")
     )]
     Dims {
         /// Axis, 0 = x.

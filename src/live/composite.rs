@@ -54,7 +54,7 @@ impl<'a> Compositor<'a> {
         let share: Option<Cow<[f32]>> =
             match (job.mask.and_then(|mask| Some((mask, mask.planes.first()?))), job.background) {
                 (Some((mask, plane)), _) => {
-                    let mut share = mask.window.over(plane, window, 0.0);
+                    let mut share = mask.window.resized_samples(plane, window, 0.0);
                     share
                         .par_iter_mut()
                         .for_each(|share| *share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) });
@@ -143,7 +143,7 @@ impl<'a> Compositor<'a> {
         if share.iter().all(|share| *share == 0.0) {
             return;
         }
-        let part = |plane: &[f32]| products(&self.source.window.over(plane, read, 0.0), &share);
+        let part = |plane: &[f32]| products(&self.source.window.resized_samples(plane, read, 0.0), &share);
         let mut planes: Vec<Vec<f32>> = self.moved.iter().map(|plane| part(plane)).collect();
         let count = self.job.source.planes.len();
         planes.push(if self.share.is_some() { planes[count].clone() } else { share.clone() });
@@ -219,13 +219,14 @@ impl<'a> Compositor<'a> {
         let (below, holes): (Vec<f32>, Vec<f32>) = all.map(factor).unzip();
         for (index, plane) in seen.iter_mut().enumerate() {
             if self.job.mask.is_some() {
-                let rest = self.source.window.over(&self.source.planes[index], window, 0.0);
+                let rest = self.source.window.resized_samples(&self.source.planes[index], window, 0.0);
                 let rests = products(&rest, &filled);
                 let samples = plane.par_iter_mut().zip(rests).zip(&below).with_min_len(BATCH);
                 samples.for_each(|((sample, rest), below)| *sample = over(*sample, rest, *below));
             }
             if let Some(background) = &self.background {
-                let behind = products(&background.window.over(&background.planes[index], window, 0.0), &holes);
+                let behind =
+                    products(&background.window.resized_samples(&background.planes[index], window, 0.0), &holes);
                 let samples = plane.par_iter_mut().zip(behind).with_min_len(BATCH);
                 samples.for_each(|(sample, behind)| *sample += behind);
             }
@@ -235,7 +236,7 @@ impl<'a> Compositor<'a> {
     /// Keeps the hidden colours of the part at rest where nothing landed on it.
     fn keep_resting(&self, hidden: &mut [Vec<f32>], landed: &[f32], window: PixelRect) {
         for (hidden, own) in hidden.iter_mut().zip(&self.job.source.planes) {
-            let own = self.source.window.over(own, window, 0.0);
+            let own = self.source.window.resized_samples(own, window, 0.0);
             let samples = hidden.iter_mut().zip(own).zip(landed);
             samples.filter(|(_, landed)| **landed == 0.0).for_each(|((hidden, own), _)| *hidden = own);
         }
@@ -243,7 +244,7 @@ impl<'a> Compositor<'a> {
 
     /// Returns the fraction of every pixel of a window that stays at rest; 0 where the source has no samples.
     fn filled(&self, share: &[f32], window: PixelRect) -> Vec<f32> {
-        let mut left = self.source.window.over(share, window, 1.0);
+        let mut left = self.source.window.resized_samples(share, window, 1.0);
         left.iter_mut().for_each(|share| *share = 1.0 - *share);
         left
     }
@@ -251,7 +252,7 @@ impl<'a> Compositor<'a> {
     /// Converts to straight colour. Samples that equal their input stay bit-exact.
     fn divide(&self, seen: &mut [Vec<f32>], hidden: &[Vec<f32>], window: PixelRect) {
         let Some((alpha, colors)) = seen.split_last_mut() else { return };
-        let of = |plane: &[f32]| self.source.window.over(plane, window, 0.0);
+        let of = |plane: &[f32]| self.source.window.resized_samples(plane, window, 0.0);
         let Some(source_alpha) = self.job.source.planes.last().map(|plane| of(plane)) else { return };
         for (index, color) in colors.iter_mut().enumerate() {
             let (multiplied, straight) = (of(&self.source.planes[index]), of(self.job.source.planes[index]));

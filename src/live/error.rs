@@ -1,4 +1,4 @@
-//! What can go wrong on the way from parameters to pixels.
+//! Errors of warps from plain parameters.
 
 use crate::image::ImageError;
 use crate::memory::OverBudget;
@@ -6,10 +6,10 @@ use crate::pipeline::PipelineError;
 use crate::scene::SceneError;
 use crate::shot::ShotError;
 use crate::space::ScreenPoint;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::path::PathBuf;
 
-/// A warp that cannot be computed, or a picture that was not finished.
+/// The error of a warp that cannot be computed, or of a picture that was not completed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LiveError {
@@ -21,41 +21,48 @@ pub enum LiveError {
         /// How to fix it.
         hint: String,
     },
-    /// A pin or its target lies nowhere near the picture.
-    #[error("pin {} lies at {}, {} and goes to {}, {}; give places in frame heights, within 1000 of the frame", pin + 1, rest.0.x, rest.0.y, target.0.x, target.0.y)]
+    /// A pin or its target is too far from the picture.
+    #[error(
+        "pin {} lies at {}, {} and goes to {}, {}; give positions in frame heights, within 1000 of the frame",
+        pin + 1,
+        rest.0.x,
+        rest.0.y,
+        target.0.x,
+        target.0.y
+    )]
     FarPin {
-        /// Index in the controls.
+        /// Its index in the controls.
         pin: usize,
-        /// Where it is.
+        /// Its rest position.
         rest: ScreenPoint,
-        /// Where it goes.
+        /// Its target.
         target: ScreenPoint,
     },
-    /// The shot file is wrong.
+    /// The shot file is invalid.
     #[error(transparent)]
     Shot(#[from] ShotError),
     /// The scene cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The shot does not fit its scene, or cannot be solved.
+    /// The shot does not match its scene, or cannot be solved.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
     /// A file cannot be written.
     #[error(transparent)]
     File(#[from] ImageError),
-    /// The shot shows another frame than the picture.
+    /// The frame of the shot does not have the aspect ratio of the picture.
     #[error("{path} is for frames {wanted:.4} wide to 1 high, the picture is {found:.4} to 1; {hint}")]
     Aspect {
         /// The shot file.
         path: PathBuf,
-        /// Its aspect.
+        /// Its aspect ratio.
         wanted: f64,
-        /// That of the picture.
+        /// The aspect ratio of the picture.
         found: f64,
         /// How to fix it.
         hint: &'static str,
     },
-    /// A layer that cannot be driven.
+    /// The layer of a shot cannot be controlled by these parameters, or cannot be written to the file.
     #[error("{path}: {what}; {hint}")]
     Layer {
         /// The shot file.
@@ -65,37 +72,37 @@ pub enum LiveError {
         /// How to fix it.
         hint: String,
     },
-    /// A lattice whose matrices do not fit into the memory budget.
+    /// The matrices of the lattice do not fit into the memory limit.
     #[error("a lattice of {} x {} handles {source}; fewer columns and rows, or B-splines, take less", dims[0], dims[1])]
     Memory {
-        /// Handles across and up.
+        /// Number of handles along x and y.
         dims: [usize; 2],
-        /// What it needs, and what there is.
+        /// The required and the available memory.
         source: OverBudget,
     },
-    /// Planes that are not as large as their window.
+    /// A plane does not have one sample per pixel of its window.
     #[error(
         "a plane of {what} has {} for {}; this is a fault of the host's adapter",
-        counted(*found, "sample", "samples"),
-        counted(*wanted, "pixel", "pixels")
+        pluralised(*found, "sample", "samples"),
+        pluralised(*wanted, "pixel", "pixels")
     )]
     Planes {
-        /// Which picture.
+        /// The name of the picture.
         what: &'static str,
-        /// Samples.
+        /// Number of samples.
         found: usize,
-        /// Pixels.
+        /// Number of pixels.
         wanted: usize,
     },
-    /// A background of other channels.
+    /// The background and the source differ in their number of channels.
     #[error(
         "the background has {}, the source {wanted}; give both the same",
-        counted(*found, "channel", "channels")
+        pluralised(*found, "channel", "channels")
     )]
     PlaneCount {
-        /// Those of the background.
+        /// Number of channels of the background.
         found: usize,
-        /// Those of the source.
+        /// Number of channels of the source.
         wanted: usize,
     },
     /// The host cancelled the render.

@@ -30,7 +30,8 @@ impl Mix<'_> {
             return;
         }
         let shares = self.shares(window);
-        let own: Vec<Vec<f32>> = source.planes.iter().map(|plane| source.window.over(plane, window, 0.0)).collect();
+        let own: Vec<Vec<f32>> =
+            source.planes.iter().map(|plane| source.window.resized_samples(plane, window, 0.0)).collect();
         let (alphas, colors) = match (source.alpha, own.split_last()) {
             (Alpha::Straight, Some((alpha, colors))) => (Some(alpha), colors),
             _ => (None, &own[..]),
@@ -58,7 +59,7 @@ impl Mix<'_> {
         let amount = self.amount.clamp(0.0, 1.0);
         let Some(matte) = self.matte else { return vec![amount; window.area()] };
         let Some(plane) = matte.planes.last() else { return vec![0.0; window.area()] };
-        let mut shares = matte.window.over(plane, window, 0.0);
+        let mut shares = matte.window.resized_samples(plane, window, 0.0);
         shares.iter_mut().for_each(|share| *share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) * amount });
         shares
     }

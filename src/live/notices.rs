@@ -6,7 +6,7 @@ use super::Warp;
 use super::warp::{ActingPin, Warning};
 use crate::solve::{PinResidual, ResidualReason, SolveReport};
 use crate::space::ScreenPoint;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// Pins closer to their targets than this, in pixels, count as exact.
 const LEAST_PX: f64 = 0.05;
@@ -84,7 +84,7 @@ impl Warp {
             notices.push(Notice { subject: format!("misses of {}", names.join(" ")), text });
         }
         if report.folded_model_cells > 0 {
-            let cells = counted(report.folded_model_cells, "cell of the lattice folds", "cells of the lattice fold");
+            let cells = pluralised(report.folded_model_cells, "cell of the lattice folds", "cells of the lattice fold");
             let text =
                 format!("{cells} over, so parts of the picture overlap; move pins apart, or enable the fold guard");
             notices.push(Notice { subject: "folds".into(), text });

@@ -9,7 +9,7 @@ use crate::plate::Filter;
 use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
 use crate::solve::Cancel;
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// The contents of a shot file as parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,9 +33,9 @@ impl ShotFile {
     #[must_use]
     pub fn told(&self, most: usize) -> String {
         let count = self.tracks.len();
-        let mut told = vec![format!("read {} of layer {}", counted(count.min(most), "pin", "pins"), self.layer)];
+        let mut told = vec![format!("read {} of layer {}", pluralised(count.min(most), "pin", "pins"), self.layer)];
         if count > most {
-            let more = counted(count - most, "more is", "more are");
+            let more = pluralised(count - most, "more is", "more are");
             told.push(format!("{more} skipped: at most {most} fit"));
         }
         if self.tracks.iter().any(|track| track.keys.len() > 1) {

@@ -120,7 +120,7 @@ pub(super) fn union(a: Reach, b: Reach) -> Reach {
 pub(super) fn reach(map: &WarpMap, window: PixelRect, filter: Filter) -> Option<Reach> {
     let rows = (window.y..window.y + window.height as i32).into_par_iter();
     let of_row = |y: i32| {
-        let first = map.window.place_of([window.x, y])?;
+        let first = map.window.sample_index([window.x, y])?;
         let pixels = (0..window.width as usize).filter_map(|column| {
             let [dx, dy] = map.offsets[first + column];
             if !(dx + dy).is_finite() {

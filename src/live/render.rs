@@ -92,7 +92,12 @@ pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync)
             let window = tile.window().intersection(job.window);
             let mut planes = match (&compositor, maps) {
                 (Some(compositor), Some(maps)) => compositor.draw(&maps, window),
-                _ => job.source.planes.iter().map(|plane| job.source.window.over(plane, window, 0.0)).collect(),
+                _ => job
+                    .source
+                    .planes
+                    .iter()
+                    .map(|plane| job.source.window.resized_samples(plane, window, 0.0))
+                    .collect(),
             };
             job.mix.blend(&mut planes[..job.source.planes.len()], window, job.source);
             finished(Piece { window, planes: &planes[..job.source.planes.len()] });

@@ -56,7 +56,7 @@ pub fn warp_until(
     let warp = CACHE.warps.get_until(key, &given_up, || {
         let base = CACHE.scenes.get_until(base_key, &given_up, || load_scene(shape, frame))?;
         let Some(prepared) = &base.prepared else {
-            return Ok(Warp::nothing("the picture's alpha is 0 everywhere: nothing is warped", key));
+            return Ok(Warp::identity("the picture's alpha is 0 everywhere: nothing is warped", key));
         };
         let task = Task { prepared, index: base.layer, controls, shape, size: frame };
         let ready = CACHE.solvers.get_until(solver_key, &given_up, || task.prepare(base_key, &cancel))?;
@@ -232,7 +232,7 @@ impl Task<'_> {
 
     fn solve(&self, ready: &PreparedSolver, key: Key, cancel: &Cancel) -> Result<Warp, LiveError> {
         let Some(layer_solver) = &ready.solver else {
-            return Ok(Warp::nothing("no part of the model is visible in the frame: nothing is warped", key));
+            return Ok(Warp::identity("no part of the model is visible in the frame: nothing is warped", key));
         };
         let layer = self.layer(Goals::Reached);
         let path = layer.pin_path(self.frames(), self.key_frame());
@@ -251,7 +251,7 @@ impl Task<'_> {
         };
         let own = layer.pins.len() - self.controls.pins.len();
         let rests = &layer_solver.rests()[own..];
-        let warp = Warp { field, parts, covered, lattice: Some(lattice), report, ..Warp::nothing("", key) };
+        let warp = Warp { field, parts, covered, lattice: Some(lattice), report, ..Warp::identity("", key) };
         let pins = rests.iter().zip(&self.controls.pins).map(|(rest, pin)| PinPlace {
             rest: rest.point,
             target: crate::space::ScreenPoint(rest.point.0 + (pin.target - pin.rest).0 * layer.strength),

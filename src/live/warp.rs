@@ -91,7 +91,7 @@ const PIXELS_A_WEIGHT: usize = 1 << 14;
 
 impl Warp {
     /// Creates the identity warp with the reason as a warning.
-    pub(super) fn nothing(why: &str, key: Key) -> Self {
+    pub(super) fn identity(why: &str, key: Key) -> Self {
         let warnings = vec![Warning::Text(why.to_owned())];
         let field = Field::identity();
         Self {

@@ -19,7 +19,7 @@ use crate::live::{
     self, HostFrame, NewShot, OutputGuard, OwnedPicture, PinRegion, PinTrack, ShapeSource, StMapFile, Subject,
     WriteShot,
 };
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::ffi::CStr;
 use std::path::PathBuf;
 
@@ -164,7 +164,7 @@ fn write(call: Call, values: ParamValues, host_frame: &HostFrame) -> Result<Stri
             size: host_frame.frame,
         },
     })?;
-    Ok(format!("wrote {} to {}", counted(tracks.len(), "pin", "pins"), path.display()))
+    Ok(format!("wrote {} to {}", pluralised(tracks.len(), "pin", "pins"), path.display()))
 }
 
 /// Returns the source's frame rate in frames per second.
@@ -231,5 +231,5 @@ fn write_stmaps(call: Call, values: ParamValues, host_frame: &HostFrame) -> Resu
         let file = StMapFile { path: &pattern.path_of(frame), frame, rate: rate(call) };
         live::save_stmap(&warp, host_frame.frame, file, &guard)?;
     }
-    Ok(format!("wrote {}", counted(last - first + 1, "STMap", "STMaps")))
+    Ok(format!("wrote {}", pluralised(last - first + 1, "STMap", "STMaps")))
 }

@@ -34,7 +34,7 @@ fn frames_to_zero(first: i32, rate: f64) -> i32 {
 }
 
 impl PreparedShot {
-    /// Returns the scene with the layers chosen by `is_baked` as deformed meshes. `tell` is called after every frame.
+    /// Returns the scene with the layers chosen by `includes_layer` as deformed meshes. `on_frame` is called after every frame.
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
@@ -42,25 +42,25 @@ impl PreparedShot {
         &self,
         frames: &[i32],
         times: BakeTimes,
-        is_baked: impl Fn(usize) -> bool,
-        mut tell: impl FnMut(i32),
+        includes_layer: impl Fn(usize) -> bool,
+        mut on_frame: impl FnMut(i32),
     ) -> Result<BakedScene<'_>, PipelineError> {
         let mut frames = frames.to_vec();
         frames.sort_unstable();
-        let layers = || (0..self.shot.layers.len()).filter(|&layer| is_baked(layer));
+        let layers = || (0..self.shot.layers.len()).filter(|&layer| includes_layer(layer));
         let owned = |part: &usize| layers().any(|layer| self.assignment.parts_of_layer[layer].contains(part));
         let parts: Vec<usize> = (0..self.assignment.layer_of_part.len()).filter(owned).collect();
         let mut nodes = self.at_rest(&parts, frames.first().copied().unwrap_or_default());
         for &frame in frames.iter().filter(|_| !parts.is_empty()) {
             let sample = self.sample_at(f64::from(frame))?;
-            let warps = sample.warps(&self.assignment, &is_baked);
+            let warps = sample.warps(&self.assignment, &includes_layer);
             let mut shapes = parts.iter().map(|&part| {
                 let node_from_scene = node_from_scene(&sample.pose, sample.pose.parts[part].node);
                 let source = primitive(&self.scene, &sample.pose.parts[part]);
                 shape(&sample, (part, &warps[part]), source, node_from_scene)
             });
             nodes.iter_mut().flat_map(|node| &mut node.parts).for_each(|part| part.shapes.extend(shapes.next()));
-            tell(frame);
+            on_frame(frame);
         }
         let times_secs = frames.iter().map(|&frame| self.file_secs(frame, &frames, times)).collect();
         let (clip, camera, motion) = (self.clip.clip, self.added_camera(&frames), self.motion(&frames, times));

@@ -7,7 +7,7 @@ use crate::raster::RasterError;
 use crate::scene::{FindError, SceneError};
 use crate::shot::{Shot, ShotError};
 use crate::solve::SolveError;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::path::PathBuf;
 
 /// An error that prevents a shot, or one of its frames, from being rendered.
@@ -87,7 +87,7 @@ pub enum PipelineError {
     /// Output frames exist already.
     #[error(
         "{} already, the first is {first}; use --resume to keep or --overwrite to replace what is there",
-        counted(*count, "of the frames exists", "of the frames exist")
+        pluralised(*count, "of the frames exists", "of the frames exist")
     )]
     Exists {
         /// Number of existing frames.
@@ -110,7 +110,7 @@ pub enum PipelineError {
         folder: PathBuf,
     },
     /// A frame was abandoned before it was complete.
-    #[error("frame {frame} was given up before all its passes were drawn")]
+    #[error("frame {frame} was abandoned before all its passes were drawn")]
     Interrupted {
         /// The frame.
         frame: i32,

@@ -146,7 +146,7 @@ pub(super) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Opt
         scene: &prepared.scene,
         now: view_of(now, &warps),
         neighbours,
-        pieces: &prepared.draw_inputs.pieces,
+        submeshes: &prepared.draw_inputs.submeshes,
         lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
         environment: lighting::environment(&prepared.shot, &now.pose),
         line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),

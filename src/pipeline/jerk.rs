@@ -18,7 +18,7 @@ const SURFACE_POINTS: usize = 64;
 const VISIBLE_PX: f64 = 2.0;
 
 /// Maximum ratio of the warp's jerk to the unrest of its input: far from the pins the warp swings farther than they move.
-const AMPLIFIED: f64 = 6.0;
+const MAX_AMPLIFICATION: f64 = 6.0;
 
 /// Ratio of jerks above which a motion is rough, when the step is halved.
 ///
@@ -28,21 +28,21 @@ const ROUGH: f64 = 0.35;
 
 /// Offsets, in frames, at which samples are inserted by successive halvings before a motion counts as rough. Buckling
 /// is smooth, but only within a fraction of a frame.
-const HALVINGS: [f64; 3] = [0.5, 0.25, 0.125];
+const SUBDIVISION_STEPS: [f64; 3] = [0.5, 0.25, 0.125];
 
 /// Displacement around a pin per radian of its rotation, relative to the lattice's diagonal.
-const LEVER: f64 = 0.25;
+const DISPLACEMENT_PER_RADIAN: f64 = 0.25;
 
 /// Measures the jerk of successive frames; earlier frames are remembered, and solved if they are missing.
 #[derive(Debug, Default)]
 pub struct JerkMeter {
     /// The preceding frames, at most three, without gaps.
-    past: VecDeque<(i32, Vec<Option<Places>>)>,
+    past: VecDeque<(i32, Vec<Option<FramePoints>>)>,
 }
 
 /// Points of a layer in one frame; points out of sight are `None`.
 #[derive(Clone, Debug, Default)]
-struct Places {
+struct FramePoints {
     /// Positions before the warp.
     points: Vec<Option<ScreenVector>>,
     /// Displacements by the warp.
@@ -56,7 +56,7 @@ impl JerkMeter {
     /// single frame as in a sequence. The first three frames of a shot have none.
     pub fn watch(&mut self, prepared: &PreparedShot, sample: &TimeSample, report: &mut FrameReport) {
         self.look_back(prepared, report.frame);
-        let now = places(prepared, sample);
+        let now = frame_points(prepared, sample);
         for (index, layer) in prepared.shot.layers.iter().enumerate() {
             let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(prepared.shot.size.height)) else {
                 continue;
@@ -64,7 +64,7 @@ impl JerkMeter {
             report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
             // The keys of a transferred lattice are in another shot, so its input is unknown here.
             let is_followed = layer.transfer.is_none();
-            let is_uneven = jerk.warp_px > VISIBLE_PX.max(AMPLIFIED * unrest_px);
+            let is_uneven = jerk.warp_px > VISIBLE_PX.max(MAX_AMPLIFICATION * unrest_px);
             if is_followed && is_uneven && self.is_rough(prepared, index, &now).unwrap_or(true) {
                 report.warnings.push(format!(
                     "layer '{}': the warp jerks by {:.1} px where model and keys jerk by {:.1} px: it may flicker here; \
@@ -87,9 +87,10 @@ impl JerkMeter {
             self.past.retain(|&(past, _)| wanted.contains(&past));
             return;
         }
-        let mut known: BTreeMap<i32, Vec<Option<Places>>> = self.past.drain(..).collect();
+        let mut known: BTreeMap<i32, Vec<Option<FramePoints>>> = self.past.drain(..).collect();
         for past in wanted {
-            let found = known.remove(&past).or_else(|| Some(places(prepared, &*prepared.mid_exposure(past).ok()?)));
+            let found =
+                known.remove(&past).or_else(|| Some(frame_points(prepared, &*prepared.mid_exposure(past).ok()?)));
             match found {
                 Some(found) => self.past.push_back((past, found)),
                 None => self.past.clear(),
@@ -99,16 +100,18 @@ impl JerkMeter {
 
     /// Whether the jerk of a layer's warp comes from a jump or kink rather than from fast smooth motion: an arm that is
     /// raised evenly rotates, and rotation always has jerk. `None` if the layer cannot be solved between frames.
-    fn is_rough(&self, prepared: &PreparedShot, layer: usize, now: &[Option<Places>]) -> Option<bool> {
+    fn is_rough(&self, prepared: &PreparedShot, layer: usize, now: &[Option<FramePoints>]) -> Option<bool> {
         let mut first = prepared.mid_exposure_time(f64::from(self.past.front()?.0));
-        let known = self.past.iter().map(|(_, places)| places).map(Vec::as_slice).chain([now]);
-        let mut four: Vec<Places> = known.map(|places| places[layer].clone()).collect::<Option<_>>()?;
+        let known = self.past.iter().map(|(_, frame_points)| frame_points).map(Vec::as_slice).chain([now]);
+        let mut four: Vec<FramePoints> =
+            known.map(|frame_points| frame_points[layer].clone()).collect::<Option<_>>()?;
         let mut whole = jerk_of(&four);
-        for step in HALVINGS {
-            let between =
-                |k: i32| Places::of(prepared, &*prepared.sample_at(first + step * f64::from(2 * k + 1)).ok()?, layer);
+        for step in SUBDIVISION_STEPS {
+            let between = |k: i32| {
+                FramePoints::of(prepared, &*prepared.sample_at(first + step * f64::from(2 * k + 1)).ok()?, layer)
+            };
             let middles = (0..3).map(between).collect::<Option<Vec<_>>>()?;
-            let mut seven: Vec<Places> = Vec::with_capacity(7);
+            let mut seven: Vec<FramePoints> = Vec::with_capacity(7);
             for (place, middle) in four.iter().cloned().zip(middles) {
                 seven.extend([place, middle]);
             }
@@ -125,25 +128,28 @@ impl JerkMeter {
     }
 
     /// Returns the jerk of a layer, and the unrest of its warp's input in pixels, in which jerks of opposite signs do not cancel.
-    fn jerk(&self, now: &[Option<Places>], layer: usize, height_px: f64) -> Option<(Jerk, f64)> {
-        let mut frames: Vec<&Places> = Vec::with_capacity(4);
+    fn jerk(&self, now: &[Option<FramePoints>], layer: usize, height_px: f64) -> Option<(Jerk, f64)> {
+        let mut frames: Vec<&FramePoints> = Vec::with_capacity(4);
         for (_, past) in &self.past {
             frames.push(past[layer].as_ref()?);
         }
         frames.push(now[layer].as_ref()?);
-        let [a, b, c, d] = <[&Places; 4]>::try_from(frames).ok()?;
-        let most = |of: fn(&Places) -> &[Option<ScreenVector>]| {
+        let [a, b, c, d] = <[&FramePoints; 4]>::try_from(frames).ok()?;
+        let most = |of: fn(&FramePoints) -> &[Option<ScreenVector>]| {
             unevenness([of(a), of(b), of(c), of(d)]).map(|length| length * height_px)
         };
-        let [points, wanted, warp] =
-            [most(|places| &places.points), most(|places| &places.wanted), most(|places| &places.displacements)];
+        let [points, wanted, warp] = [
+            most(|frame_points| &frame_points.points),
+            most(|frame_points| &frame_points.wanted),
+            most(|frame_points| &frame_points.displacements),
+        ];
         let jerk = Jerk { warp_px: warp[0], input_px: points[0].max(wanted[0]) };
         Some((jerk, points[1].max(wanted[1])))
     }
 }
 
 /// Returns the jerk of the displacements at four times, in frame heights per cubed step.
-fn jerk_of(four: &[Places]) -> f64 {
+fn jerk_of(four: &[FramePoints]) -> f64 {
     let [a, b, c, d] = four else { return 0.0 };
     unevenness([&a.displacements, &b.displacements, &c.displacements, &d.displacements])[0]
 }
@@ -163,24 +169,24 @@ fn unevenness([a, b, c, d]: [&[Option<ScreenVector>]; 4]) -> [f64; 2] {
 }
 
 /// Returns the points of all layers in one frame.
-fn places(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<Places>> {
-    (0..prepared.shot.layers.len()).map(|layer| Places::of(prepared, sample, layer)).collect()
+fn frame_points(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<FramePoints>> {
+    (0..prepared.shot.layers.len()).map(|layer| FramePoints::of(prepared, sample, layer)).collect()
 }
 
-impl Places {
+impl FramePoints {
     fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
         let solution = sample.layers[layer].solution.as_ref().filter(|solution| solution.branches.is_none())?;
         let lattice = &solution.lattice;
-        let mut places = Self::default();
-        surface_points(prepared, sample, layer).for_each(|point| places.add(point, lattice));
+        let mut frame_points = Self::default();
+        surface_points(prepared, sample, layer).for_each(|point| frame_points.add(point, lattice));
         let state = &sample.layers[layer];
         for pin in 0..prepared.shot.layers[layer].pins.len() {
             let pin = state.pins.iter().find(|state| state.pin == pin);
-            places.add(pin.map(|pin| pin.rest), lattice);
-            places.wanted.push(pin.map(|pin| pin.target - pin.rest));
+            frame_points.add(pin.map(|pin| pin.rest), lattice);
+            frame_points.wanted.push(pin.map(|pin| pin.target - pin.rest));
         }
-        places.add_keys(prepared, sample, (layer, lattice));
-        Some(places)
+        frame_points.add_keys(prepared, sample, (layer, lattice));
+        Some(frame_points)
     }
 
     fn add(&mut self, point: Option<ScreenPoint>, lattice: &ScreenLattice) {
@@ -191,7 +197,7 @@ impl Places {
     /// Adds the rotations and stretches of pins, and the offsets of handles, converted to lengths.
     fn add_keys(&mut self, prepared: &PreparedShot, sample: &TimeSample, (layer, lattice): (usize, &ScreenLattice)) {
         let targets = prepared.shot.pin_targets(layer, prepared.key_frame(&prepared.shot.layers[layer], sample.frame));
-        let lever = LEVER * lattice.grid.diagonal();
+        let lever = DISPLACEMENT_PER_RADIAN * lattice.grid.diagonal();
         let turns = targets.pins.iter().map(|pin| match pin.rotation {
             Some(Rotation::InView(turn)) => [turn, pin.log_scale.unwrap_or(0.0)],
             _ => [0.0, pin.log_scale.unwrap_or(0.0)],

@@ -4,7 +4,7 @@
 //! pinwarp does, or the reason why none exists.
 
 use super::{LayerState, PipelineError, PreparedShot, TimeSample};
-use crate::export::blender::{BlenderLayer, BlenderWay, CameraNode, LatticeBlend, LatticeObject, LatticePose};
+use crate::export::blender::{BlenderLayer, BlenderMethod, CameraNode, LatticeBlend, LatticeObject, LatticePose};
 use crate::lattice::{Basis, Grid, Lattice, SceneLattice, ScreenLattice};
 use crate::pose::Pose;
 use crate::screen::{Camera, Projected, primitive};
@@ -17,7 +17,7 @@ use glam::{DMat4, DVec3};
 const FLATNESS: f64 = 1e-6;
 
 /// Distance by which vertices may leave the box and still count as inside, relative to its side.
-const BORDER: f64 = 1e-7;
+const BOX_TOLERANCE: f64 = 1e-7;
 
 /// Frames of a layer; `None` where it is not warped.
 type Poses = Vec<(i32, Option<LatticePose>)>;
@@ -32,11 +32,11 @@ impl PreparedShot {
     /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
         let name = self.shot.layers[index].name.clone();
-        let way = match self.lattice_object(index, frames)? {
-            Ok(lattice) => BlenderWay::Lattice(lattice),
-            Err(reason) => BlenderWay::Baked(reason),
+        let method = match self.lattice_object(index, frames)? {
+            Ok(lattice) => BlenderMethod::Lattice(lattice),
+            Err(reason) => BlenderMethod::Baked(reason),
         };
-        Ok(BlenderLayer { name, way })
+        Ok(BlenderLayer { name, method })
     }
 
     /// Returns the node of the shot's camera, or that the camera is added.
@@ -107,7 +107,7 @@ impl PreparedShot {
             let place = |corner: u32| lattice.frame.box_from_scene(posed.positions[corner as usize].0.as_dvec3());
             if corners.any(|&corner| !is_inside(grid, place(corner).to_array())) {
                 return Err(
-                    "some vertices lie outside the lattice's box, where pinwarp's lattice moves on rigidly".into()
+                    "some vertices lie outside the lattice's box, where pinwarp's lattice extrapolates rigidly".into(),
                 );
             }
         }
@@ -141,8 +141,8 @@ fn blend_of(basis: Basis) -> Result<LatticeBlend, Reason> {
     match basis {
         Basis::Bspline => Ok(LatticeBlend::Bspline),
         Basis::Bilinear => Ok(LatticeBlend::Linear),
-        Basis::Bernstein => Err("Blender's lattices know no Bernstein polynomials".to_owned()),
-        Basis::Barytri => Err("Blender's lattices know no barycentric cells".to_owned()),
+        Basis::Bernstein => Err("Blender's lattices do not support Bernstein polynomials".to_owned()),
+        Basis::Barytri => Err("Blender's lattices do not support barycentric cells".to_owned()),
     }
 }
 
@@ -161,7 +161,7 @@ fn filled(poses: Poses, dims: [usize; 3]) -> Option<Vec<LatticePose>> {
 
 fn is_inside<const D: usize>(grid: &Grid<D>, point: [f64; D]) -> bool {
     (0..D).all(|axis| {
-        let slack = BORDER * grid.size(axis);
+        let slack = BOX_TOLERANCE * grid.size(axis);
         (grid.lo[axis] - slack..=grid.hi[axis] + slack).contains(&point[axis])
     })
 }
@@ -179,19 +179,19 @@ fn check_flat(corners: &[(DVec3, Projected)], grid: &Grid<2>) -> Result<(), Reas
         );
     }
     if corners.iter().any(|(_, seen)| !is_inside(grid, seen.point().0.to_array())) {
-        return Err("some vertices lie outside the lattice's box, where pinwarp's lattice moves on rigidly".into());
+        return Err("some vertices lie outside the lattice's box, where pinwarp's lattice extrapolates rigidly".into());
     }
     Ok(())
 }
 
 /// Returns the distance between the first and the last handle of an axis, relative to the box: the outermost handles of
 /// a B-spline lie outside the box.
-fn reach(basis: Basis, count: usize) -> f64 {
+fn handle_extent(basis: Basis, count: usize) -> f64 {
     (count - 1) as f64 / basis.spans(count) as f64
 }
 
 fn extents<const D: usize>(grid: &Grid<D>) -> [f64; D] {
-    std::array::from_fn(|axis| grid.size(axis) * reach(grid.basis, grid.dims[axis]))
+    std::array::from_fn(|axis| grid.size(axis) * handle_extent(grid.basis, grid.dims[axis]))
 }
 
 /// Returns the displacements of the handles from rest, relative to the size of the lattice.

@@ -41,14 +41,14 @@ impl Solved {
 }
 
 /// Returns the solved lattices of the given frames, each at the frame's own time; layers that are never warped are left
-/// out. `tell` is called after every frame.
+/// out. `on_frame` is called after every frame.
 ///
 /// # Errors
 /// [`PipelineError::Solve`] if a layer cannot be solved; [`PipelineError::Mismatch`] if no layer is warped at all.
 pub fn lattices(
     prepared: &PreparedShot,
     frames: &[i32],
-    mut tell: impl FnMut(i32),
+    mut on_frame: impl FnMut(i32),
 ) -> Result<LatticeFile, PipelineError> {
     let shot = &prepared.shot;
     let mut solved = vec![Solved::default(); shot.layers.len()];
@@ -58,7 +58,7 @@ pub fn lattices(
         for (layer, (solved, state)) in solved.iter_mut().zip(&sample.layers).enumerate() {
             solved.add(frame, (state, prepared.file_branches(layer, &sample)));
         }
-        tell(frame);
+        on_frame(frame);
     }
     let tracks = shot.layers.iter().zip(solved);
     let layers: Vec<LatticeTrack> = tracks.filter_map(|(layer, solved)| solved.track(&layer.name)).collect();

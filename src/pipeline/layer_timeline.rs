@@ -2,7 +2,7 @@
 //!
 //! In: a [`PreparedShot`] and a layer. Out: the layer's problem at any time.
 
-use super::part_starts::held_triangle;
+use super::part_triangle_ranges::held_triangle;
 use super::screen_layer::{LayerSolver, LayerTask, is_branching, unfactored};
 use super::screen_shape::{ScreenShape, screen_shape_with_starts};
 use super::{PinAnchor, PreparedShot, TimeSample};
@@ -32,7 +32,7 @@ pub(super) struct Watcher<'a> {
 
 impl Watcher<'_> {
     /// Waits until the end and ignores progress.
-    pub(super) const PATIENT: Self = Self { is_cancelled: &|| false, progress: &|_, _| () };
+    pub(super) const NONE: Self = Self { is_cancelled: &|| false, progress: &|_, _| () };
 }
 
 /// A screen layer as a function of time.

@@ -1,13 +1,13 @@
 //! Ids and names by which the parts of a scene are distinguished: layer and node ids, and Cryptomatte names.
 //!
-//! In: scene, parts, layer assignment, layers. Out: [`Mattes`]: the pieces of every part, and manifests for the files.
+//! In: scene, parts, layer assignment, layers. Out: [`Mattes`]: the submeshes of every part, and manifests for the files.
 
 use super::LayerAssignment;
 use super::selection::{SharedPart, material_name};
 use crate::image::cryptomatte::{Manifest, MatteHeader, MatteId, clean_name};
 use crate::pose::PosedPart;
 use crate::raster::MATTE_LAYERS;
-use crate::raster::geometry::Piece;
+use crate::raster::geometry::Submesh;
 use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::Shot;
@@ -15,42 +15,42 @@ use crate::shot::Shot;
 /// Name in `CryptoLayer` of everything that belongs to no layer, as in Arnold for objects without an asset.
 const NO_LAYER: &str = "default";
 
-/// The pieces of all parts, and the Cryptomatte headers of the files.
+/// The submeshes of all parts, and the Cryptomatte headers of the files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mattes {
-    /// #parts: the whole part as one piece, or its triangles grouped by the layer that moves most of each.
-    pub(super) pieces: Vec<Vec<Piece>>,
+    /// #parts: the whole part as one submesh, or its triangles grouped by the layer that moves most of each.
+    pub(super) submeshes: Vec<Vec<Submesh>>,
     /// One header per Cryptomatte, with its manifest.
     pub(super) headers: Vec<MatteHeader>,
 }
 
 impl Mattes {
-    /// Creates pieces and headers. The names do not depend on the frame, so every frame of a sequence has the same manifest.
+    /// Creates submeshes and headers. The names do not depend on the frame, so every frame of a sequence has the same manifest.
     pub(super) fn new(shot: &Shot, scene: &Scene, (parts, assignment): (&[PosedPart], &LayerAssignment)) -> Self {
         let mut all_names = Vec::new();
-        let mut piece = |part: &PosedPart, owner: Option<usize>, triangles: Option<Vec<u32>>| {
+        let mut submesh = |part: &PosedPart, owner: Option<usize>, triangles: Option<Vec<u32>>| {
             let names = names(shot, scene, (part, owner));
             let mattes = names.each_ref().map(|name| MatteId::of_name(name));
             all_names.push(names);
-            Piece { triangles, layer_id: owner.map_or(0, |layer| layer as u32 + 1), mattes }
+            Submesh { triangles, layer_id: owner.map_or(0, |layer| layer as u32 + 1), mattes }
         };
         let of_part = |(index, part): (usize, &PosedPart)| match &assignment.shared_parts[index] {
-            None => vec![piece(part, assignment.layer_of_part[index], None)],
+            None => vec![submesh(part, assignment.layer_of_part[index], None)],
             Some(shared) => {
-                owned(shared).into_iter().map(|(owner, triangles)| piece(part, owner, Some(triangles))).collect()
+                owned(shared).into_iter().map(|(owner, triangles)| submesh(part, owner, Some(triangles))).collect()
             }
         };
-        let pieces = parts.iter().enumerate().map(of_part).collect();
+        let submeshes = parts.iter().enumerate().map(of_part).collect();
         let headers = MATTE_LAYERS.iter().enumerate().map(|(place, layer)| MatteHeader {
             name: (*layer).to_owned(),
             manifest: Manifest::of_names(all_names.iter().map(|names| names[place].as_str())),
             side_file: None,
         });
-        Self { pieces, headers: headers.collect() }
+        Self { submeshes, headers: headers.collect() }
     }
 }
 
-/// Returns the names of a piece, in the order of [`MATTE_LAYERS`].
+/// Returns the names of a submesh, in the order of [`MATTE_LAYERS`].
 fn names(shot: &Shot, scene: &Scene, (part, owner): (&PosedPart, Option<usize>)) -> [String; MATTE_LAYERS.len()] {
     let layer = owner.map_or(NO_LAYER, |layer| &shot.layers[layer].name);
     let node = &scene.nodes[part.node].name;

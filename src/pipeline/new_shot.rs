@@ -47,7 +47,7 @@ pub fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineErro
 fn picture_facts(path: &Path) -> Result<TemplateFacts, PipelineError> {
     if !path.is_file() && SequencePath::parse(path)?.has_counter() {
         return Err(PipelineError::Unusable {
-            what: format!("{}: pictures of a shot stand still, this is a sequence", path.display()),
+            what: format!("{}: pictures of a shot are single images, but this is a sequence", path.display()),
             hint: format!(
                 "write a shot with `plate = \"{}\"`, give its layer `matte = \"alpha\"`, and run `pinwarp warp`",
                 path.display()

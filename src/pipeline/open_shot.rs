@@ -5,7 +5,7 @@
 //! scene.
 
 use super::frame_cache::FrameCache;
-use super::prepare::tie_pins;
+use super::prepare::attach_pins;
 use super::{PipelineError, PreparedShot, auto_dims};
 use crate::pose::pose;
 use crate::raster::ChannelGroup;
@@ -74,7 +74,7 @@ impl OpenShot {
         match rework {
             Rework::Nothing => {}
             Rework::Frames => self.put_shot(&shot),
-            Rework::Pins => self.tie_again(&shot)?,
+            Rework::Pins => self.reattach_pins(&shot)?,
             Rework::Layers => {
                 let gallery = self.prepared.gallery.clone();
                 let again = PreparedShot::with_scene(colour_only(shot.clone()), self.prepared.scene.clone())?;
@@ -128,14 +128,14 @@ impl OpenShot {
     }
 
     /// Attaches the pins of the same layers again.
-    fn tie_again(&mut self, shot: &Shot) -> Result<(), PipelineError> {
+    fn reattach_pins(&mut self, shot: &Shot) -> Result<(), PipelineError> {
         let old_anchors = std::mem::take(&mut self.prepared.layer_inputs.anchors);
         let old_shot = self.prepared.shot.clone();
         let old_notes = self.prepared.notes.len();
         self.put_shot(shot);
         let prepared = &mut self.prepared;
         let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
-        if let Err(error) = tie_pins(prepared, &first) {
+        if let Err(error) = attach_pins(prepared, &first) {
             prepared.layer_inputs.anchors = old_anchors;
             prepared.shot = old_shot;
             prepared.cache = FrameCache::default();
@@ -172,19 +172,19 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
     if !has_same_source {
         return Rework::Scene;
     }
-    if bones(old) != bones(new) {
+    if structural_settings(old) != structural_settings(new) {
         return Rework::Layers;
     }
-    let ties = |shot: &Shot| -> Vec<Vec<_>> {
+    let attachments = |shot: &Shot| -> Vec<Vec<_>> {
         let of_layer = |layer: &Layer| layer.pins.iter().map(|pin| (pin.name.clone(), pin.anchor.clone())).collect();
         shot.layers.iter().map(of_layer).collect()
     };
     let chooses_dims = |shot: &Shot| shot.layers.iter().any(|layer| layer.has_auto_dims);
-    if ties(old) != ties(new) || chooses_dims(new) { Rework::Pins } else { Rework::Frames }
+    if attachments(old) != attachments(new) || chooses_dims(new) { Rework::Pins } else { Rework::Frames }
 }
 
 /// Reduces a shot to the settings on which preparation depends, except pins.
-fn bones(shot: &Shot) -> Shot {
+fn structural_settings(shot: &Shot) -> Shot {
     let mut shot = shot.clone();
     shot.lines = KeyLines::default();
     shot.output = crate::shot::Output { channels: Vec::new(), ..shot.output };

@@ -2,7 +2,7 @@
 //!
 //! In: a [`PreparedShot`], a solved [`TimeSample`], and a layer whose lattice branches. Out: [`OrderedParts`].
 
-use super::part_starts::held_triangle;
+use super::part_triangle_ranges::held_triangle;
 use super::{PreparedShot, TimeSample};
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;

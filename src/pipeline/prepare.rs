@@ -66,14 +66,14 @@ impl PreparedShot {
         let loaded = transfer::load(&shot, &mut notes)?;
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
         let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
-        let Mattes { pieces, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
+        let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
             shot,
             scene,
             notes,
             assignment,
             layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, links, loaded },
-            draw_inputs: DrawInputs { rig: Vec::new(), pieces, mattes, hidden_layers: Vec::new(), hidden_nodes },
+            draw_inputs: DrawInputs { rig: Vec::new(), submeshes, mattes, hidden_layers: Vec::new(), hidden_nodes },
             gallery: None,
             camera,
             clip,
@@ -85,7 +85,7 @@ impl PreparedShot {
         if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&prepared.scene, part)) {
             prepared.notes.push("the scene has no lights: a neutral three-light rig is used".into());
         }
-        tie_pins(&mut prepared, &first)?;
+        attach_pins(&mut prepared, &first)?;
         auto_dims::choose(&mut prepared);
         note_unwarped(&mut prepared);
         note_costly(&mut prepared);
@@ -109,10 +109,10 @@ fn check_parts(shot: &Shot, first: &Pose, hidden_nodes: &[usize]) -> Result<(), 
 }
 
 /// Resolves every pin's anchor to indices.
-pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
+pub(super) fn attach_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
     let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
     for (index, layer) in prepared.shot.layers.iter().enumerate() {
-        let mut tied = Vec::new();
+        let mut attached = Vec::new();
         for (number, pin) in layer.pins.iter().enumerate() {
             let pinned = match pin.anchor {
                 Anchor::Screen { at, frame: None } => PinAnchor::Screen(at),
@@ -144,9 +144,9 @@ pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), 
                 let node = &prepared.scene.nodes[at].name;
                 prepared.notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
             }
-            tied.push(pinned);
+            attached.push(pinned);
         }
-        prepared.layer_inputs.anchors.push(tied);
+        prepared.layer_inputs.anchors.push(attached);
     }
     Ok(())
 }
@@ -155,13 +155,16 @@ pub(super) fn tie_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), 
 fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -> Option<String> {
     let PinAnchor::Surface { part, corners, barycentric, .. } = pinned else { return None };
     if !assignment.parts_of_layer[layer].contains(part) {
-        return Some("which the layer does not claim: the pin follows it all the same".into());
+        return Some("which the layer does not move; the pin still follows it".into());
     }
     let share = assignment.share(layer, *part);
     let moved: f64 = corners.iter().zip(barycentric).map(|(&corner, weight)| share.at(corner) * weight).sum();
     (moved < FULL_SHARE).then(|| {
         let percent = (100.0 * moved).round();
-        format!("where the layer moves {percent} % of the mesh: it goes that far only; pin it farther inside, or lessen `feather`")
+        format!(
+            "where the layer moves {percent} % of the mesh: the pin moves it only that far; pin it farther inside, or reduce \
+             `feather`"
+        )
     })
 }
 
@@ -216,7 +219,7 @@ fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
         }
         Source::Frame => Ok((scene::frame_card(shot.size.aspect()), None)),
         Source::Images(paths) => {
-            let (gallery, scene) = Gallery::hang(shot, paths)?;
+            let (gallery, scene) = Gallery::load(shot, paths)?;
             Ok((scene, Some(gallery)))
         }
     }

@@ -12,7 +12,7 @@ use super::transfer::Loaded;
 use super::{PinAnchor, RestPoint};
 use crate::image::cryptomatte::MatteHeader;
 use crate::pose::{ClipChoice, Pose, PosedLight, pose};
-use crate::raster::geometry::Piece;
+use crate::raster::geometry::Submesh;
 use crate::scene::Scene;
 use crate::screen::{self, Camera};
 use crate::shot::{Layer, Shot};
@@ -66,7 +66,7 @@ pub(super) struct DrawInputs {
     /// The neutral lights, used if the scene has none.
     pub(super) rig: Vec<PosedLight>,
     /// Pieces of every part, with layer ids and Cryptomatte ids.
-    pub(super) pieces: Vec<Vec<Piece>>,
+    pub(super) submeshes: Vec<Vec<Submesh>>,
     /// One header per Cryptomatte.
     pub(super) mattes: Vec<MatteHeader>,
     /// Layers whose parts are not drawn but keep their indices, ids and names.

@@ -13,7 +13,7 @@ use super::resume::{Todo, refuse_existing};
 use super::solve_ahead::solve_before_frames;
 use super::write::{Writer, preview_hash};
 use super::{Event, Existing, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary};
-use crate::image::{Depth, Expected, ImageError, PictureKind, Redo, SequencePath, check_kept};
+use crate::image::{Depth, Expected, ImageError, PictureKind, SequencePath, StaleReason, check_kept};
 use crate::memory;
 use crate::raster::{self, ChannelGroup, DeviceClass, Raster};
 use crate::shot::{Shot, Source};
@@ -27,7 +27,7 @@ const QUEUED_FRAMES: usize = 1;
 
 /// Renders the requested frames on the requested device.
 ///
-/// `tell` is called from several threads. `cancel` ends the render after the frames in flight.
+/// `on_event` is called from several threads. `cancel` ends the render after the frames in flight.
 ///
 /// # Errors
 /// [`PipelineError`] if nothing can be rendered at all; frames that fail individually are reported as events and counted.
@@ -35,19 +35,19 @@ pub fn render(
     prepared: &PreparedShot,
     options: &RenderOptions,
     cancel: &AtomicBool,
-    tell: &(dyn Fn(Event) + Sync),
+    on_event: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
     let work = Work::plan(prepared, options)?;
     if prepared.gallery.is_some() {
         let todo = work.todo(DeviceClass::Cpu)?;
-        return Ok(work.paint(todo, cancel, tell));
+        return Ok(work.paint(todo, cancel, on_event));
     }
     let (mut device, fallback) = raster::open(&options.device, &prepared.scene)?;
     if let Some(reason) = fallback {
-        tell(Event::Note { text: format!("the CPU draws: {reason}") });
+        on_event(Event::Note { text: format!("the CPU draws: {reason}") });
     }
     let todo = work.todo(device.class())?;
-    Ok(work.run(todo, device.as_mut(), (cancel, tell)))
+    Ok(work.run(todo, device.as_mut(), (cancel, on_event)))
 }
 
 /// Renders as [`render`] does, on a device that the caller opened for the prepared shot; `options.device` is ignored.
@@ -59,11 +59,11 @@ pub fn render_on(
     prepared: &PreparedShot,
     options: &RenderOptions,
     cancel: &AtomicBool,
-    tell: &(dyn Fn(Event) + Sync),
+    on_event: &(dyn Fn(Event) + Sync),
 ) -> Result<Summary, PipelineError> {
     let work = Work::plan(prepared, options)?;
     let todo = work.todo(device.class())?;
-    Ok(work.run(todo, device, (cancel, tell)))
+    Ok(work.run(todo, device, (cancel, on_event)))
 }
 
 /// A planned render.
@@ -116,7 +116,7 @@ impl<'a> Work<'a> {
             check_kept(&path, &expected, depth)?;
             if options.has_preview || options.has_overlay {
                 let expected = Expected { shot_hash: &preview_hash, ..expected };
-                check_kept(&path.with_extension("png"), &expected, depth).map_err(|_| Redo::Preview)?;
+                check_kept(&path.with_extension("png"), &expected, depth).map_err(|_| StaleReason::Preview)?;
             }
             Ok(())
         });
@@ -124,26 +124,26 @@ impl<'a> Work<'a> {
     }
 
     /// Renders a shot of pictures, which are warped on the CPU instead of being drawn by a device.
-    fn paint(self, todo: Todo, cancel: &AtomicBool, tell: &(dyn Fn(Event) + Sync)) -> Summary {
+    fn paint(self, todo: Todo, cancel: &AtomicBool, on_event: &(dyn Fn(Event) + Sync)) -> Summary {
         let Self { begun, prepared, options, output, digest, .. } = self;
-        tell_notes(prepared, &todo, tell);
+        emit_notes(prepared, &todo, on_event);
         if !todo.frames.is_empty() {
             solve_before_frames(prepared, cancel);
         }
         let wanted = Wanted { options, output, digest, frames: todo.frames.clone(), kept: todo.kept };
-        let summary = render_pictures(prepared, wanted, cancel, tell);
-        finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, tell))
+        let summary = render_pictures(prepared, wanted, cancel, on_event);
+        finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, on_event))
     }
 
     fn run(
         self,
         todo: Todo,
         device: &mut dyn Raster,
-        (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync)),
+        (cancel, on_event): (&AtomicBool, &(dyn Fn(Event) + Sync)),
     ) -> Summary {
         let Self { begun, prepared, options, output, digest, .. } = self;
-        tell_notes(prepared, &todo, tell);
-        tell(Event::Started { device: device.name(), frames: todo.frames.len(), kept: todo.kept });
+        emit_notes(prepared, &todo, on_event);
+        on_event(Event::Started { device: device.name(), frames: todo.frames.len(), kept: todo.kept });
         if !todo.frames.is_empty() {
             solve_before_frames(prepared, cancel);
         }
@@ -157,13 +157,13 @@ impl<'a> Work<'a> {
             let mut producer = GeometryThread { prepared, tile_count, has_overlay, cancel, jerk: JerkMeter::default() };
             let frames = &todo.frames;
             scope.spawn(move || producer.run(frames, &job));
-            let writing = scope.spawn(|| writer.run(drawns, tell));
+            let writing = scope.spawn(|| writer.run(drawns, on_event));
             raster_ms = draw_all(device, prepared, &tiles, (jobs, drawn));
             // Propagates a panic in the writer.
             writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         });
         let summary = Summary { raster_ms, wall_secs: begun.elapsed().as_secs_f64(), ..writer.summary() };
-        finished(summary, &todo, (cancel, tell))
+        finished(summary, &todo, (cancel, on_event))
     }
 }
 
@@ -175,16 +175,16 @@ fn files_of(output: &SequencePath, options: &RenderOptions, frame: i32) -> impl 
 }
 
 /// Sends the notes and the list of frames to render again.
-fn tell_notes(prepared: &PreparedShot, todo: &Todo, tell: &(dyn Fn(Event) + Sync)) {
-    prepared.notes.iter().cloned().chain(todo.notes()).for_each(|text| tell(Event::Note { text }));
-    todo.redone.iter().cloned().for_each(|redone| tell(Event::FrameRedone(redone)));
+fn emit_notes(prepared: &PreparedShot, todo: &Todo, on_event: &(dyn Fn(Event) + Sync)) {
+    prepared.notes.iter().cloned().chain(todo.notes()).for_each(|text| on_event(Event::Note { text }));
+    todo.redone.iter().cloned().for_each(|redone| on_event(Event::FrameRedone(redone)));
 }
 
 /// Completes the summary of a render and sends it.
-fn finished(summary: Summary, todo: &Todo, (cancel, tell): (&AtomicBool, &(dyn Fn(Event) + Sync))) -> Summary {
+fn finished(summary: Summary, todo: &Todo, (cancel, on_event): (&AtomicBool, &(dyn Fn(Event) + Sync))) -> Summary {
     let is_cancelled = summary.rendered + summary.failed < todo.frames.len() && cancel.load(Ordering::Relaxed);
     let summary = Summary { is_cancelled, kept: todo.kept, redone: todo.redone.len(), ..summary };
-    tell(Event::Finished(summary.clone()));
+    on_event(Event::Finished(summary.clone()));
     summary
 }
 

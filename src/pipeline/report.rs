@@ -4,11 +4,11 @@
 
 use super::lattice_box::screen_bounds;
 use super::shared_cells;
-use super::trajectories::{Told, told_at};
+use super::trajectories::{TimedNote, note_at};
 use super::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::{ResidualReason, SolveReport, Spread};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// Distance from its target above which a pin is reported, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
@@ -34,13 +34,13 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(fold_warning(layer, &solve));
         report.warnings.extend(shared_cells::warning(layer, state, &solve, height_px));
-        match told_at(prepared, index, frame) {
-            Some(Told::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
-            Some(Told::Alone(why)) => {
+        match note_at(prepared, index, frame) {
+            Some(TimedNote::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
+            Some(TimedNote::Alone(why)) => {
                 let text = "cannot be solved over time, so that each frame is solved alone";
                 report.warnings.push(format!("layer '{}' {text}: {why}", layer.name));
             }
-            Some(Told::Outside([first, last])) => report.warnings.push(format!(
+            Some(TimedNote::Outside([first, last])) => report.warnings.push(format!(
                 "layer '{}': the frame lies outside solve_range, over which frames are solved together ({first} to {last}), and may \
                  not fit its neighbours; widen solve_range in the shot",
                 layer.name
@@ -70,8 +70,8 @@ fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
     };
     let name = &layer.name;
     format!(
-        "layer '{name}': a snap is spread over frames {first} to {last} (up to {speed} a frame beside the rigid fit of its \
-         pins); another pin where it bends decides for it"
+        "layer '{name}': a sudden jump is spread over frames {first} to {last} (up to {speed} per frame relative to the \
+         rigid fit of its pins); another pin where it bends decides for it"
     )
 }
 
@@ -122,7 +122,9 @@ fn pin_warnings(
 fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<String> {
     let told = |&(pin, by): &(usize, f64)| {
         let (layer, pin, by) = (&layer.name, &layer.pins[state.pins[pin].pin].name, by * height_px);
-        format!("layer '{layer}': pin '{pin}' is dragged to the border or past it, which gives way there by {by:.1} px")
+        format!(
+            "layer '{layer}': pin '{pin}' is dragged to the border or past it, which is displaced there by {by:.1} px"
+        )
     };
     state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()
 }
@@ -152,7 +154,7 @@ fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
     if solve.folded_model_cells == 0 {
         return None;
     }
-    let cells = counted(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
+    let cells = pluralised(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
     Some(format!(
         "layer '{}': the model folds over itself in {cells}; move its pins less or farther apart, add pins that hold what \
          lies between, or let `solve = {{ guard = \"limit\" }}` keep it from folding (--overlay shows the cells in red)",
@@ -165,8 +167,8 @@ fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> St
     let why = if solve.folded_model_cells == 0 {
         "nothing folds".to_owned()
     } else {
-        let folded = counted(solve.folded_model_cells, "cell folds", "cells fold");
-        format!("{folded} all the same")
+        let folded = pluralised(solve.folded_model_cells, "cell folds", "cells fold");
+        format!("{folded} nevertheless")
     };
-    format!("layer '{}': guard: {what} gives way {distance} before its target, {why}", layer.name)
+    format!("layer '{}': guard: {what} stops {distance} short of its target; {why}", layer.name)
 }

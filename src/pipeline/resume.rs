@@ -1,12 +1,12 @@
-//! Decides which frames of a run are made, which are kept, and why existing frames are made again.
+//! Decides which frames of a run are made, which are kept, and why existing frames are rendered again.
 //!
 //! In: the requested frames, and a check of a single frame. Out: [`Todo`].
 
 use super::output::prepare_folder;
 use super::run_lock::{RunLock, remove_dead};
 use super::{PipelineError, Redone};
-use crate::image::{Existing, Redo, SequencePath, is_there, remove_stale};
-use crate::spelling::{counted, ranges};
+use crate::image::{Existing, SequencePath, StaleReason, is_there, remove_stale};
+use crate::spelling::{pluralised, ranges};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -26,20 +26,20 @@ pub(crate) struct Todo {
 }
 
 impl Todo {
-    /// Sorts the requested frames. `check` returns the reason why an existing frame has to be made again; it is called
+    /// Sorts the requested frames. `check` returns the reason why an existing frame has to be rendered again; it is called
     /// only if existing frames may be kept.
     pub(crate) fn of(
         wanted: Vec<i32>,
         output: &SequencePath,
         existing: Existing,
-        check: impl Fn(i32) -> Result<(), Redo>,
+        check: impl Fn(i32) -> Result<(), StaleReason>,
     ) -> Self {
         let (mut frames, mut redone, mut kept) = (Vec::new(), Vec::new(), 0);
         for &frame in &wanted {
-            let outcome = if existing.is_resume() { check(frame) } else { Err(Redo::Missing) };
+            let outcome = if existing.is_resume() { check(frame) } else { Err(StaleReason::Missing) };
             match outcome {
                 Ok(()) => kept += 1,
-                Err(Redo::Missing) => frames.push(frame),
+                Err(StaleReason::Missing) => frames.push(frame),
                 Err(reason) => {
                     redone.push(Redone { frame, path: output.path_of(frame), reason: reason.to_string() });
                     frames.push(frame);
@@ -65,19 +65,19 @@ impl Todo {
         let paths = self.wanted.iter().map(|&frame| output.path_of(frame));
         let stale = remove_stale(paths.flat_map(|path| [path.with_extension("png"), path]));
         if stale > 0 {
-            tracing::info!("{} of runs that died removed", counted(stale, "temporary file", "temporary files"));
+            tracing::info!("{} of runs that died removed", pluralised(stale, "temporary file", "temporary files"));
         }
         Ok(self)
     }
 
-    /// Returns one line for each reason to make frames again.
+    /// Returns one line for each reason to render frames again.
     pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
         let mut by_reason: BTreeMap<&str, Vec<i32>> = BTreeMap::new();
         for redone in &self.redone {
             by_reason.entry(&redone.reason).or_default().push(redone.frame);
         }
         let note = |(reason, frames): (&str, Vec<i32>)| {
-            let count = counted(frames.len(), "frame is made again", "frames are made again");
+            let count = pluralised(frames.len(), "frame is rendered again", "frames are rendered again");
             format!("{count} ({}): {reason}", ranges(&frames))
         };
         by_reason.into_iter().map(note).collect::<Vec<_>>().into_iter()

@@ -5,7 +5,7 @@
 use super::lattice_box::screen_box;
 use super::layer_pins::{faded_weight, held_border, moved_handles, region};
 use super::layer_solve::{factor, solve_layer};
-use super::part_starts::{PartStarts, held_triangle};
+use super::part_triangle_ranges::{PartTriangleRanges, held_triangle};
 use super::screen_shape::{ScreenShape, screen_shape, screen_shape_with_starts};
 use super::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample, whole_layer};
 use crate::lattice::Grid;
@@ -41,7 +41,7 @@ pub struct LayerSolver {
     /// One per pin: the triangle of the shape to which it is attached.
     triangles: Vec<Option<u32>>,
     /// Positions of the layer's parts in the shape, if the lattice branches.
-    starts: Vec<PartStarts>,
+    starts: Vec<PartTriangleRanges>,
     /// `None` if there are neither pins nor handles.
     solver: Option<Solver<2>>,
 }
@@ -163,13 +163,13 @@ pub(super) fn border_rests(source: &Source, layer: &Layer) -> bool {
 
 impl LayerSolver {
     /// Attaches the pins to triangles of the shape.
-    pub(super) fn hold_triangles(&mut self, anchors: &[PinAnchor], starts: &[PartStarts]) {
+    pub(super) fn hold_triangles(&mut self, anchors: &[PinAnchor], starts: &[PartTriangleRanges]) {
         self.triangles = anchors.iter().map(|anchor| held_triangle(anchor, starts)).collect();
         self.starts = starts.to_vec();
     }
 
     /// Returns the positions of the layer's parts in the shape; empty if the lattice does not branch.
-    pub(super) fn starts(&self) -> &[PartStarts] {
+    pub(super) fn starts(&self) -> &[PartTriangleRanges] {
         &self.starts
     }
 

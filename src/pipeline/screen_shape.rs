@@ -3,7 +3,7 @@
 //! In: a [`TimeSample`] and a layer. Out: a [`ScreenShape`]: triangles clipped at the near plane, with their stiffness
 //! and links, and the runs of lines beyond the near plane.
 
-use super::part_starts::PartStarts;
+use super::part_triangle_ranges::PartTriangleRanges;
 use super::{PreparedShot, TimeSample};
 use crate::screen::{Corner, Projected, clip_near, primitive};
 use crate::solve::{Link, LinkEnd, LinkKind, Shape};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// A layer's shape, and the origin of its triangles.
 pub(super) struct ScreenShape {
     pub(super) shape: Shape<2>,
-    pub(super) starts: Vec<PartStarts>,
+    pub(super) starts: Vec<PartTriangleRanges>,
 }
 
 /// Returns the layer's triangles and lines on the screen, clipped at the near plane.
@@ -49,7 +49,7 @@ pub(super) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSam
             stiffness.extend((number, corners), &mut shape);
         }
         starts.push(shape.triangles.len() as u32);
-        all.push(PartStarts { part, starts });
+        all.push(PartTriangleRanges { part, starts });
     }
     shape.links = prepared.layer_inputs.links[index].as_ref().map(|links| links_now(links, &all));
     ScreenShape { shape, starts: all }
@@ -69,7 +69,7 @@ fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
 /// Converts links between triangles at rest to links between the clipped triangles. The two halves of a triangle that
 /// the near plane clips into two are linked to each other, and the triangle's links are attached to the centre of the
 /// first half.
-fn links_now(links: &Arc<Vec<Link>>, parts: &[PartStarts]) -> Arc<Vec<Link>> {
+fn links_now(links: &Arc<Vec<Link>>, parts: &[PartTriangleRanges]) -> Arc<Vec<Link>> {
     let runs: Vec<[u32; 2]> =
         parts.iter().flat_map(|part| part.starts.windows(2).map(|pair| [pair[0], pair[1]])).collect();
     if runs.iter().enumerate().all(|(number, &[start, end])| start as usize == number && end == start + 1) {

@@ -3,7 +3,7 @@
 //! In: the path of a sequence and its frames. Out: a [`SequenceReport`].
 
 use super::frame_record::{FrameRecord, LayerRecord};
-use crate::image::{Depth, Redo, SequencePath, read_whole};
+use crate::image::{Depth, SequencePath, StaleReason, read_whole};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -81,10 +81,10 @@ impl SequenceReport {
             let metadata = match outcome {
                 Ok(metadata) if metadata.frame == frame => metadata,
                 Ok(metadata) => {
-                    report.damage(frame, &Redo::OtherFrame(metadata.frame));
+                    report.damage(frame, &StaleReason::OtherFrame(metadata.frame));
                     continue;
                 }
-                Err(Redo::Missing) => {
+                Err(StaleReason::Missing) => {
                     report.missing.push(frame);
                     continue;
                 }
@@ -109,7 +109,7 @@ impl SequenceReport {
         report
     }
 
-    fn damage(&mut self, frame: i32, reason: &Redo) {
+    fn damage(&mut self, frame: i32, reason: &StaleReason) {
         self.damaged.push(DamagedFrame { frame, reason: reason.to_string() });
     }
 

@@ -46,7 +46,7 @@ pub(super) fn warning(layer: &Layer, state: &LayerState, solve: &SolveReport, he
     };
     Some(format!(
         "layer '{}': pins '{one}' and '{other}' share cells of the lattice ({:.1} cells lie between them) and are to move {apart_px:.0} px \
-         apart: what lies around them is torn along; {remedy}",
+         apart: the area around them is distorted; {remedy}",
         layer.name, worst.cells
     ))
 }

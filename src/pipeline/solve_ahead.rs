@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Number of progress events per layer.
-const TOLD_STEPS: usize = 100;
+const PROGRESS_STEPS: usize = 100;
 
 /// An event of a running bake.
 #[derive(Clone, Debug, Serialize)]
@@ -91,20 +91,20 @@ fn lossy<S: Serializer>(path: &Option<PathBuf>, to: S) -> Result<S::Ok, S::Error
     path.as_ref().map(|path| path.to_string_lossy()).serialize(to)
 }
 
-/// Solves every layer with a temporal weight over the shot's range, unless its trajectory exists. `tell` is called from
+/// Solves every layer with a temporal weight over the shot's range, unless its trajectory exists. `on_event` is called from
 /// several threads; `cancel` ends the bake within milliseconds, and finished trajectories are kept.
-pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, tell: &(dyn Fn(BakeEvent) + Sync)) -> BakeSummary {
+pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, on_event: &(dyn Fn(BakeEvent) + Sync)) -> BakeSummary {
     let begun = Instant::now();
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(|&index| has_trajectory(prepared, index)).collect();
-    prepared.notes.iter().for_each(|text| tell(BakeEvent::Note { text: text.clone() }));
-    tell(BakeEvent::Started { layers: layers.len(), solve_range: prepared.shot.solve_range });
+    prepared.notes.iter().for_each(|text| on_event(BakeEvent::Note { text: text.clone() }));
+    on_event(BakeEvent::Started { layers: layers.len(), solve_range: prepared.shot.solve_range });
     let next = AtomicUsize::new(0);
     let summary = Mutex::new(BakeSummary::default());
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(layers.len());
     std::thread::scope(|scope| {
         let work = || {
             while let Some(&index) = layers.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let outcome = solve_layer(prepared, index, (cancel, tell));
+                let outcome = solve_layer(prepared, index, (cancel, on_event));
                 let mut summary = summary.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 match outcome {
                     Ended::Solved => summary.solved += 1,
@@ -118,7 +118,7 @@ pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, tell: &(dyn Fn(
     });
     let summary = summary.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     let summary = BakeSummary { wall_secs: begun.elapsed().as_secs_f64(), ..summary };
-    tell(BakeEvent::Finished(summary));
+    on_event(BakeEvent::Finished(summary));
     summary
 }
 
@@ -142,20 +142,20 @@ enum Ended {
 fn solve_layer(
     prepared: &PreparedShot,
     index: usize,
-    (cancel, tell): (&AtomicBool, &(dyn Fn(BakeEvent) + Sync)),
+    (cancel, on_event): (&AtomicBool, &(dyn Fn(BakeEvent) + Sync)),
 ) -> Ended {
     let begun = Instant::now();
     let layer = &prepared.shot.layers[index].name;
-    let told = AtomicUsize::new(0);
+    let reported = AtomicUsize::new(0);
     let progress = |done: usize, of: usize| {
-        let step = TOLD_STEPS * done / of.max(1);
-        if told.fetch_max(step, Ordering::Relaxed) < step {
-            tell(BakeEvent::Progress { layer: layer.clone(), done, of });
+        let step = PROGRESS_STEPS * done / of.max(1);
+        if reported.fetch_max(step, Ordering::Relaxed) < step {
+            on_event(BakeEvent::Progress { layer: layer.clone(), done, of });
         }
     };
     let is_cancelled = || cancel.load(Ordering::Relaxed);
     let failed = |error: String| {
-        tell(BakeEvent::LayerFailed { layer: layer.clone(), error });
+        on_event(BakeEvent::LayerFailed { layer: layer.clone(), error });
         Ended::Failed
     };
     match facts(prepared, index, Watcher { is_cancelled: &is_cancelled, progress: &progress }) {
@@ -165,7 +165,14 @@ fn solve_layer(
                 return failed("its trajectory could not be written".to_owned());
             }
             let wall_secs = begun.elapsed().as_secs_f64();
-            tell(BakeEvent::LayerDone(BakedLayer { layer: layer.clone(), path, is_kept, knots, spreads, wall_secs }));
+            on_event(BakeEvent::LayerDone(BakedLayer {
+                layer: layer.clone(),
+                path,
+                is_kept,
+                knots,
+                spreads,
+                wall_secs,
+            }));
             if is_kept { Ended::Kept } else { Ended::Solved }
         }
         Ok(Err(error)) => failed(error.to_string()),

@@ -125,7 +125,7 @@ impl Brush<'_> {
                 StiffPart::Material(_) => "material",
                 StiffPart::VertexColor(_) => "vertex_color",
             };
-            let what = "what it names is drawn by lines only, and stiffness is a matter of triangles";
+            let what = "what it names is drawn by lines only, and stiffness applies to triangles only";
             return (key, what.into(), "remove the entry, or name meshes with triangles".into());
         }
         match &self.rule.part {

@@ -19,7 +19,7 @@ use crate::space::FrameSize;
 use glam::Vec2;
 
 /// Polled for cancellation; returns true once the result is no longer wanted.
-pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
+pub type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// A device that draws frames and can be sent between threads.
 pub type Device = dyn Raster + Send + 'static;
@@ -54,18 +54,22 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError`] if a layer cannot be solved.
-    pub fn settle(&self, stop: &Stop, progress: &(dyn Fn(f64) + Sync)) -> Result<bool, PipelineError> {
+    pub fn solve_trajectories(
+        &self,
+        is_cancelled: &IsCancelled,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<bool, PipelineError> {
         let layers: Vec<usize> = (0..self.shot.layers.len()).filter(|&index| has_trajectory(self, index)).collect();
         for (place, &index) in layers.iter().enumerate() {
             let part = |done: usize, of: usize| done as f64 / of.max(1) as f64;
-            let tell = |done: usize, of: usize| progress((place as f64 + part(done, of)) / layers.len() as f64);
-            match facts(self, index, Watcher { is_cancelled: &|| stop(), progress: &tell }) {
+            let on_step = |done: usize, of: usize| progress((place as f64 + part(done, of)) / layers.len() as f64);
+            match facts(self, index, Watcher { is_cancelled: &|| is_cancelled(), progress: &on_step }) {
                 Ok(_) => {}
                 Err(PipelineError::Solve { source: SolveError::Cancelled, .. }) => return Ok(false),
                 Err(error) => return Err(error),
             }
         }
-        Ok(!stop())
+        Ok(!is_cancelled())
     }
 
     /// Whether the trajectory of a layer has been solved.
@@ -118,22 +122,22 @@ impl PreparedShot {
         &self,
         device: Option<&mut Device>,
         frame: i32,
-        stop: &Stop,
+        is_cancelled: &IsCancelled,
     ) -> Result<Option<Frame>, PipelineError> {
         let drawn = match (device, &self.shot.source) {
             (Some(device), Source::Scene(_)) => {
-                draw_frame(&mut Stoppable { device, stop, is_stopped: false }, self, frame)
+                draw_frame(&mut Stoppable { device, is_cancelled, is_stopped: false }, self, frame)
             }
             (_, Source::Frame) => self.mid_exposure(frame).and_then(|sample| self.warped_plate(&sample)),
             _ => self.mid_exposure(frame).and_then(|middle| {
                 let times = super::pictures::times(self, frame);
-                let sample_at = |time| if stop() { Err(stopped(frame)) } else { self.sample_at(time) };
+                let sample_at = |time| if is_cancelled() { Err(stopped(frame)) } else { self.sample_at(time) };
                 paint_frame(self, &middle, &times, &sample_at)
             }),
         };
         match drawn {
             Ok(frame) => Ok(Some(frame)),
-            Err(_) if stop() => Ok(None),
+            Err(_) if is_cancelled() => Ok(None),
             Err(error) => Err(error),
         }
     }
@@ -166,7 +170,7 @@ fn stopped(frame: i32) -> PipelineError {
 /// A device that can be stopped between two passes.
 struct Stoppable<'a> {
     device: &'a mut Device,
-    stop: &'a Stop<'a>,
+    is_cancelled: &'a IsCancelled<'a>,
     is_stopped: bool,
 }
 
@@ -188,7 +192,7 @@ impl Raster for Stoppable<'_> {
     }
 
     fn draw(&mut self, pass: &Pass) -> Result<(), RasterError> {
-        self.is_stopped = self.is_stopped || (self.stop)();
+        self.is_stopped = self.is_stopped || (self.is_cancelled)();
         if self.is_stopped {
             return Err(RasterError::Misuse("the frame is no longer wanted"));
         }

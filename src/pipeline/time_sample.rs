@@ -3,7 +3,7 @@
 //! Plain data, computed by [`evaluate`](super::evaluate) for a (fractional) frame.
 
 use super::LayerAssignment;
-use super::part_starts::PartStarts;
+use super::part_triangle_ranges::PartTriangleRanges;
 use super::selection::SharedPart;
 use crate::lattice::{SceneLattice, ScreenLattice};
 use crate::plate::{Field, WholeWarp};
@@ -42,7 +42,7 @@ pub struct LayerState {
     /// One per active pin.
     pub pins: Vec<PinState>,
     /// Positions of the layer's parts in the shape of a branching lattice; empty for plain lattices.
-    pub(super) starts: Vec<PartStarts>,
+    pub(super) starts: Vec<PartTriangleRanges>,
 }
 
 /// The solved lattice of a world layer.

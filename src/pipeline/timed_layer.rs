@@ -18,7 +18,7 @@ pub(super) fn solve(
     bounds: BoxRule,
 ) -> Result<LayerState, PipelineError> {
     if has_trajectory(prepared, index)
-        && let Outcome::Solved(kept) = trajectory(prepared, index, Watcher::PATIENT)?
+        && let Outcome::Solved(kept) = trajectory(prepared, index, Watcher::NONE)?
     {
         return solve_on(prepared, sample, index, &kept);
     }
@@ -32,7 +32,7 @@ fn solve_on(
     kept: &WatchedTrajectory<2>,
 ) -> Result<LayerState, PipelineError> {
     let layer = &prepared.shot.layers[index];
-    let timeline = LayerTimeline { prepared, index, points: &kept.points, watcher: Watcher::PATIENT };
+    let timeline = LayerTimeline { prepared, index, points: &kept.points, watcher: Watcher::NONE };
     let Some((mut solver, targets)) = timeline.unfactored(sample) else { return Ok(LayerState::default()) };
     let Some(problem) = timeline.problem(sample, &mut solver, &targets) else { return Ok(LayerState::default()) };
     let (states, goal) = solver.targets(layer, &targets);

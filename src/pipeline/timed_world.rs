@@ -87,7 +87,7 @@ impl WorldLayer<'_> {
         if !is_fading
             && has_trajectory(self.prepared, self.index)
             && (unsolved == Unsolved::Wait || is_known())
-            && let Outcome::Solved(kept) = world_trajectory(self.prepared, self.index, Watcher::PATIENT)?
+            && let Outcome::Solved(kept) = world_trajectory(self.prepared, self.index, Watcher::NONE)?
             && let Some(problem) = self.timed_problem(time, &kept.points)
         {
             return kept.trajectory.solve_at(time, problem, &layer.settings, &never).map_err(fault);

@@ -45,7 +45,7 @@ pub(super) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
 }
 
 /// Information for the user on a layer that is solved over time.
-pub(super) enum Told {
+pub(super) enum TimedNote {
     /// A sudden jump is spread over several frames, including this one.
     Spread(Spread),
     /// The reason why its frames are solved one by one nevertheless.
@@ -55,17 +55,17 @@ pub(super) enum Told {
 }
 
 /// Returns the information on a layer in a frame.
-pub(super) fn told_at(prepared: &PreparedShot, index: usize, frame: i32) -> Option<Told> {
+pub(super) fn note_at(prepared: &PreparedShot, index: usize, frame: i32) -> Option<TimedNote> {
     if !has_trajectory(prepared, index) {
         return None;
     }
     let range = prepared.shot.solve_range;
-    match facts(prepared, index, Watcher::PATIENT).ok()? {
-        Err(why) => Some(Told::Alone(why)),
-        Ok(_) if !(range[0]..=range[1]).contains(&frame) => Some(Told::Outside(range)),
+    match facts(prepared, index, Watcher::NONE).ok()? {
+        Err(why) => Some(TimedNote::Alone(why)),
+        Ok(_) if !(range[0]..=range[1]).contains(&frame) => Some(TimedNote::Outside(range)),
         Ok(facts) => {
             let holds = |spread: &Spread| (spread.frames[0]..=spread.frames[1]).contains(&f64::from(frame));
-            facts.spreads.into_iter().find(holds).map(Told::Spread)
+            facts.spreads.into_iter().find(holds).map(TimedNote::Spread)
         }
     }
 }
@@ -94,8 +94,9 @@ pub(super) fn trajectory(prepared: &PreparedShot, index: usize, watcher: Watcher
     let made = prepared.cache.trajectories.of(index, || {
         let points = watched_points(prepared, index, first);
         let timeline = LayerTimeline { prepared, index, points: &points, watcher };
-        let found =
-            kept_or(prepared, index, || solve_apart(&timeline, coupling(prepared, index, LEAST_SPEED), watcher));
+        let found = read_or_solve(prepared, index, || {
+            solve_on_own_pool(&timeline, coupling(prepared, index, LEAST_SPEED), watcher)
+        });
         outcome(found, points)
     });
     made.map_err(|source| cancelled(prepared, index, source))
@@ -115,8 +116,9 @@ pub(super) fn world_trajectory(
         let points = watched_points(prepared, index, first);
         let timeline = WorldTimeline { prepared, index, points: &points, watcher };
         let least_speed = LEAST_SPEED * timeline.size(first);
-        let found =
-            kept_or(prepared, index, || solve_apart(&timeline, coupling(prepared, index, least_speed), watcher));
+        let found = read_or_solve(prepared, index, || {
+            solve_on_own_pool(&timeline, coupling(prepared, index, least_speed), watcher)
+        });
         outcome(found, points)
     });
     made.map_err(|source| cancelled(prepared, index, source))
@@ -156,7 +158,7 @@ struct Kept<const D: usize> {
 }
 
 /// Reads the trajectory of a layer from its file, or solves it and writes the file.
-fn kept_or<const D: usize>(
+fn read_or_solve<const D: usize>(
     prepared: &PreparedShot,
     index: usize,
     solve: impl FnOnce() -> Result<Trajectory<D>, SolveError>,
@@ -176,7 +178,7 @@ fn kept_or<const D: usize>(
 
 /// Solves on a separate thread pool. The caller may be a worker of a pool; if it waited there, it would take up other
 /// tasks, some of which wait for this very trajectory.
-fn solve_apart<const D: usize>(
+fn solve_on_own_pool<const D: usize>(
     timeline: &(impl Timeline<D, Error = SolveError> + Sync),
     coupling: Coupling,
     watcher: Watcher,

@@ -75,7 +75,7 @@ impl TrajectoryFiles {
             let file = fs::read(&path).ok()?;
             let content = content(&file, key);
             if content.is_none() {
-                tracing::warn!("{} is damaged: it is made again", path.display());
+                tracing::warn!("{} is damaged: it is computed again", path.display());
             }
             content.map(|content| (content.to_vec(), path))
         })

@@ -3,7 +3,7 @@
 //! In: the lattice files named by layers. Out: [`Loaded`] lattices, and the state of a layer at a frame.
 
 use super::layer_pins::unmeasured;
-use super::part_starts::PartStarts;
+use super::part_triangle_ranges::PartTriangleRanges;
 use super::transferred_branches::SourceFrame;
 use super::{LayerState, PipelineError};
 use crate::export::{LatticeFile, Track};
@@ -82,7 +82,9 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
         && (first > shot.frames.first || last < shot.frames.last)
     {
         let name = &shot.layers[index].name;
-        notes.push(format!("layer '{name}': its lattices cover frames {first} to {last}; beyond them the ends hold"));
+        notes.push(format!(
+            "layer '{name}': its lattices cover frames {first} to {last}; the first and last are held outside that range"
+        ));
     }
     Ok(Loaded { frames, has_branches })
 }
@@ -95,7 +97,7 @@ impl Loaded {
         shot: &Shot,
         layer: &Layer,
         key_frame: f64,
-        (rest_box, shape): (impl FnOnce() -> Option<ScreenBox>, impl FnOnce() -> (Shape<2>, Vec<PartStarts>)),
+        (rest_box, shape): (impl FnOnce() -> Option<ScreenBox>, impl FnOnce() -> (Shape<2>, Vec<PartTriangleRanges>)),
     ) -> LayerState {
         let (ends, share) = self.around(key_frame);
         let [before, after] = ends;
@@ -121,7 +123,7 @@ impl Loaded {
             });
             (moved, starts)
         });
-        let branches: Option<(BranchedLattice<2>, Vec<PartStarts>)> = match branched {
+        let branches: Option<(BranchedLattice<2>, Vec<PartTriangleRanges>)> = match branched {
             Some((Ok(branches), starts)) => Some((branches, starts)),
             Some((Err(fault), _)) => {
                 warnings.push(format!("only its largest branch is used: {fault}"));

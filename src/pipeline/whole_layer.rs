@@ -17,7 +17,7 @@ const PINS: f64 = 3e3;
 /// λgp of the border handles, dimensionless.
 const BORDER: f64 = 1e3;
 /// Distance from its target above which a pin is reported, frame heights.
-const OFF: f64 = 1e-5;
+const PIN_TOLERANCE: f64 = 1e-5;
 
 /// Returns settings under which pins and border constrain the lattice softly.
 pub(super) fn compliant(settings: &Settings) -> Settings {
@@ -47,7 +47,7 @@ pub(super) fn finish(solution: &mut Solution<2>, pins: &[WholePin]) -> WholeWarp
     solution.lattice = whole.lattice.clone();
     let misses = pins.iter().zip(&whole.ends).map(|(pin, end)| (pin.target - *end).0.length());
     let pin_errors: Vec<f64> = misses.collect();
-    let off = pin_errors.iter().enumerate().filter(|(_, miss)| **miss > OFF);
+    let off = pin_errors.iter().enumerate().filter(|(_, miss)| **miss > PIN_TOLERANCE);
     let residual = |(pin, &distance): (usize, &f64)| {
         let reason = match nearest(&whole.ends, pin) {
             Some(other) if pins[pin].weight >= 1.0 => ResidualReason::Conflict(ConstraintOwner::Pin(other)),

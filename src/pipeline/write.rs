@@ -40,7 +40,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes all frames that arrive; one failed frame does not stop the others.
-    pub(super) fn run(&mut self, drawns: Receiver<Drawn>, tell: &(dyn Fn(Event) + Sync)) {
+    pub(super) fn run(&mut self, drawns: Receiver<Drawn>, on_event: &(dyn Fn(Event) + Sync)) {
         for drawn in drawns {
             let (number, outcome) = match drawn {
                 Drawn::Frame(frame, facts) => (facts.report.frame, self.write(&frame, *facts)),
@@ -49,11 +49,11 @@ impl<'a> Writer<'a> {
             match outcome {
                 Ok(done) => {
                     self.summary.rendered += 1;
-                    tell(done);
+                    on_event(done);
                 }
                 Err(error) => {
                     self.summary.failed += 1;
-                    tell(Event::FrameFailed { frame: number, error: error.to_string() });
+                    on_event(Event::FrameFailed { frame: number, error: error.to_string() });
                 }
             }
         }

@@ -74,7 +74,7 @@ impl<'a> ChannelTable<'a> {
     /// Returns the samples of a channel over another window, padded with `outside`.
     pub(super) fn over(&self, index: ChannelIndex, window: PixelRect, outside: f32) -> Cow<'_, [f32]> {
         let (own, samples) = (self.window(index), &self.channel(index).samples);
-        if own == window { Cow::Borrowed(samples) } else { Cow::Owned(own.over(samples, window, outside)) }
+        if own == window { Cow::Borrowed(samples) } else { Cow::Owned(own.resized_samples(samples, window, outside)) }
     }
 
     /// Returns the Cryptomatte layers among the given channels.

@@ -56,7 +56,7 @@ impl WarpedLayer {
         if self.reach == composite.source {
             return Cow::Borrowed(plane);
         }
-        Cow::Owned(composite.source.over(plane, self.reach, 0.0))
+        Cow::Owned(composite.source.resized_samples(plane, self.reach, 0.0))
     }
 }
 
@@ -98,9 +98,9 @@ impl Composite<'_> {
 
     /// Returns the index of the source sample nearest to the source position of a layer's pixel.
     pub(super) fn source_of(&self, layer: &WarpedLayer, [x, y]: [i32; 2]) -> Option<usize> {
-        let own = layer.window.place_of([x, y])?;
+        let own = layer.window.sample_index([x, y])?;
         let offset = layer.map.as_ref().map_or([0.0; 2], |map| map.offsets[own]);
-        self.source.place_of(nearest_source([x, y], offset)?)
+        self.source.sample_index(nearest_source([x, y], offset)?)
     }
 
     /// Returns the source pixel that the background shows at a pixel, given by its index in the window.
@@ -126,7 +126,7 @@ impl Composite<'_> {
             let least = if layer.group.is_some() { 2 } else { 1 };
             let seen = |pixel: [i32; 2]| surfaces.iter().filter(|own| self.is_visible(own, pixel, alpha)).count();
             let shown = pixels.filter(|&pixel| self.is_visible(layer, pixel, alpha) && seen(pixel) >= least);
-            shown.filter_map(|pixel| self.window.place_of(pixel)).collect()
+            shown.filter_map(|pixel| self.window.sample_index(pixel)).collect()
         };
         surfaces.iter().copied().flat_map(of_layer).collect()
     }

@@ -9,7 +9,7 @@ use super::moving_layer::MovingLayer;
 use super::warp_map::nearest_source;
 use super::{Matte, PlateError, WarpMap};
 use crate::space::{FrameSize, PixelRect};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -84,7 +84,7 @@ pub(super) fn window_under(composite: &Composite, map: &WarpMap) -> PixelRect {
         .into_par_iter()
         .map(|index| {
             let source = nearest_source(map.window.pixel_at(index), map.offsets[index]);
-            f32::from(u8::from(source.is_some_and(|source| source_window.place_of(source).is_some())))
+            f32::from(u8::from(source.is_some_and(|source| source_window.sample_index(source).is_some())))
         })
         .collect();
     let seen = bounds(&seen, map.window);
@@ -199,7 +199,7 @@ fn overlap(mattes: &[MatteCoverage], moving_layers: &[MovingLayer], window: Pixe
         format!(
             "the mattes of the layers {} overlap: {} more than once; let each pixel belong to one layer",
             names.join(" and "),
-            counted(pixels.len(), "pixel moves", "pixels move")
+            pluralised(pixels.len(), "pixel moves", "pixels move")
         )
     })
 }

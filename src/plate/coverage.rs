@@ -24,7 +24,7 @@ impl Coverage {
             f64::from(self.frame.height) / f64::from(size.height),
         ];
         let own = [0, 1].map(|axis| ((f64::from(pixel[axis]) + 0.5) * scale[axis]).floor() as i32);
-        self.window.place_of(own).map_or(0.0, |place| self.samples[place])
+        self.window.sample_index(own).map_or(0.0, |place| self.samples[place])
     }
 
     /// Returns this coverage limited to the other, which belongs to the same frame.

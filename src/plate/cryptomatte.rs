@@ -75,13 +75,13 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
     scratch.ranks.clear();
     scratch.ranks.resize(2 * matte.ranks.len(), 0.0);
     scratch.coverage.clear();
-    let own = composite.window.place_of(at).expect("pixels of the composite lie in its window");
+    let own = composite.window.sample_index(at).expect("pixels of the composite lie in its window");
     let mut visible = 1.0;
     for Run { layers, transmittance: of_all } in occlusion.runs.iter().rev() {
         let of_parts = of_all.as_ref().map(|factors| visible * factors[own]);
         for index in layers.clone().rev() {
             let (layer, transmittance) = (&composite.layers[index], &occlusion.transmittance[index]);
-            let Some(place) = layer.window.place_of(at) else { continue };
+            let Some(place) = layer.window.sample_index(at) else { continue };
             find_taps(composite, (from.uniform, layer), (place, at), &mut scratch.taps);
             if let [(index, 1.0)] = scratch.taps[..]
                 && composite.layers.len() == 1
@@ -130,7 +130,7 @@ fn find_taps(
         }
         None => {
             taps.clear();
-            taps.extend(composite.source.place_of(at).map(|index| (index, 1.0)));
+            taps.extend(composite.source.sample_index(at).map(|index| (index, 1.0)));
         }
     }
 }

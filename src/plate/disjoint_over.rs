@@ -216,7 +216,7 @@ fn lay(
     match result {
         None if layer.window == composite.window => *result = Some(seen),
         None => {
-            let spread = |plane: &Vec<f32>| layer.window.over(plane, composite.window, 0.0);
+            let spread = |plane: &Vec<f32>| layer.window.resized_samples(plane, composite.window, 0.0);
             *result = Some(seen.iter().map(spread).collect());
         }
         Some(result) => {
@@ -233,7 +233,7 @@ fn lay(
 fn resampled(layer: &WarpedLayer, source: &Planes, by: Resampling) -> Vec<Vec<f32>> {
     match &layer.map {
         Some(map) => by.seen(map, source),
-        None => source.planes.iter().map(|plane| source.window.over(plane, layer.window, 0.0)).collect(),
+        None => source.planes.iter().map(|plane| source.window.resized_samples(plane, layer.window, 0.0)).collect(),
     }
 }
 

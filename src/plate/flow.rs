@@ -90,7 +90,7 @@ pub(super) struct Flow {
 impl Flow {
     /// Creates the flow that moves pins to their targets, as far as the other pins allow.
     pub(super) fn of(flow_pins: &[FlowPin], bounds: ScreenBox) -> Self {
-        let rooms = Rooms { flow_pins, bounds, even: EVEN * longest(flow_pins) };
+        let packing = DiscPacking { flow_pins, bounds, even: EVEN * longest(flow_pins) };
         let mut centers: Vec<DVec2> = flow_pins.iter().map(|flow_pin| flow_pin.from).collect();
         let mut done: Vec<f64> =
             flow_pins.iter().map(|flow_pin| f64::from(u8::from(flow_pin.to == flow_pin.from))).collect();
@@ -98,7 +98,7 @@ impl Flow {
         let (mut clock, mut reach) = (0.0_f64, 0.0);
         for number in 0..MOST_STEPS {
             let moving = (0..flow_pins.len()).filter(|&index| done[index] < 1.0);
-            let moving: Vec<(usize, [f64; 2])> = moving.map(|index| (index, rooms.speed(&centers, index))).collect();
+            let moving: Vec<(usize, [f64; 2])> = moving.map(|index| (index, packing.speed(&centers, index))).collect();
             if moving.is_empty() {
                 break;
             }
@@ -116,7 +116,7 @@ impl Flow {
                     centers[index] = flow_pin.to;
                 }
                 let shift = centers[index] - before[index];
-                let radius = rooms.radius(&before, index);
+                let radius = packing.radius(&before, index);
                 longest = longest.max(shift.length());
                 if shift != DVec2::ZERO && radius > 0.0 {
                     let push = Push { center: before[index], shift, inverse_square: radius.powi(-2) };
@@ -126,7 +126,7 @@ impl Flow {
             reach += longest;
         }
         for (index, flow_pin) in flow_pins.iter().enumerate() {
-            let swirls = Swirl::of(centers[index], rooms.radius(&centers, index), flow_pin.turn);
+            let swirls = Swirl::of(centers[index], packing.radius(&centers, index), flow_pin.turn);
             tracks[index].extend(swirls.into_iter().map(|swirl| (MOST_STEPS, Step::Swirl(swirl))));
         }
         reach += tracks.iter().flatten().map(|(_, step)| step.swing()).sum::<f64>();
@@ -141,9 +141,9 @@ impl Flow {
     /// Returns the initial disc radius of each pin, in frame heights, as if all had equally long paths.
     pub(super) fn first_radii(flow_pins: &[FlowPin], bounds: ScreenBox) -> Vec<f64> {
         let even: Vec<FlowPin> = flow_pins.iter().map(|flow_pin| FlowPin { to: flow_pin.from, ..*flow_pin }).collect();
-        let rooms = Rooms { flow_pins: &even, bounds, even: 1.0 };
+        let packing = DiscPacking { flow_pins: &even, bounds, even: 1.0 };
         let centers: Vec<DVec2> = flow_pins.iter().map(|flow_pin| flow_pin.from).collect();
-        (0..flow_pins.len()).map(|index| rooms.radius(&centers, index)).collect()
+        (0..flow_pins.len()).map(|index| packing.radius(&centers, index)).collect()
     }
 
     pub(super) fn is_at_rest(&self) -> bool {
@@ -199,13 +199,13 @@ impl Flow {
 }
 
 /// Computes the space available to each pin.
-struct Rooms<'a> {
+struct DiscPacking<'a> {
     flow_pins: &'a [FlowPin],
     bounds: ScreenBox,
     even: f64,
 }
 
-impl Rooms<'_> {
+impl DiscPacking<'_> {
     /// Returns the radius of a pin's disc, which stays inside the border and clear of the other discs. Pins with longer
     /// paths get a larger share of the space.
     fn radius(&self, centers: &[DVec2], index: usize) -> f64 {

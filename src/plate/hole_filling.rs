@@ -95,7 +95,7 @@ impl<'a> HoleFilling<'a> {
         storage: Storage,
     ) -> Option<f32> {
         let channel = self.table.channel(place);
-        let index = self.table.window(place).place_of(composite.background_source(at)?)?;
+        let index = self.table.window(place).sample_index(composite.background_source(at)?)?;
         Some(restored(channel.samples[index], channel.storage, storage))
     }
 
@@ -104,7 +104,7 @@ impl<'a> HoleFilling<'a> {
         let (window, samples) = (self.table.window(place), &self.table.channel(place).samples);
         match &composite.background().map {
             Some(map) => by.seen(map, &Planes { window, planes: vec![samples] }).swap_remove(0),
-            None => window.over(samples, composite.window, 0.0),
+            None => window.resized_samples(samples, composite.window, 0.0),
         }
     }
 }

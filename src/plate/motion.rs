@@ -84,7 +84,7 @@ pub(super) fn fill_motion(
     let pixels = us.par_iter_mut().zip(vs).zip(visible).enumerate();
     pixels.filter(|(_, (_, seen))| **seen == VisibleSample::Hole).for_each(|(at, ((u, v), _))| {
         let Some(pixel) = composite.background_source(at) else { return };
-        let Some(index) = window.place_of(pixel) else { return };
+        let Some(index) = window.sample_index(pixel) else { return };
         let [x, y] = vectors.warped(index, pixel, &displacements);
         (*u, *v) = (x * factors[0], y * factors[1]);
     });
@@ -132,7 +132,7 @@ impl<'a> Displacements<'a> {
 
     /// Returns the displacement in this frame at the centre of a pixel.
     fn here(&self, pixel: [i32; 2]) -> DVec2 {
-        self.now.window.place_of(pixel).map_or(DVec2::NAN, |index| offset(&self.now, index))
+        self.now.window.sample_index(pixel).map_or(DVec2::NAN, |index| offset(&self.now, index))
     }
 
     /// Returns the displacement in the other frame at any position: Catmull-Rom between pixels, evaluated from the

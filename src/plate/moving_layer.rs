@@ -5,7 +5,7 @@
 use super::pixel_field::Direction;
 use super::{Field, LayerJob, Matte, PlateJob};
 use crate::space::{FrameSize, PixelRect};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// A unit of motion: the background outside of all mattes, or a layer with its matte.
 #[derive(Clone, Debug)]
@@ -63,7 +63,7 @@ impl MovingLayer<'_> {
             [only] => format!("the warp of layer {only} folds"),
             names => format!("the warps of the layers {} fold", names.join(" and ")),
         };
-        let pixels = counted(pixels, "pixel", "pixels");
+        let pixels = pluralised(pixels, "pixel", "pixels");
         let remedy = match (self.direction, self.matte) {
             (Direction::Backward, _) => "which cannot be undone there",
             (Direction::Forward, Some(_)) => "move its pins less, or hold the folded region with more pins",

@@ -23,7 +23,7 @@ pub(super) fn turn_normals(
         let VisibleSample::Sample { layer, .. } = seen else { return };
         let layer = &composite.layers[usize::from(*layer)];
         let pixel = composite.window.pixel_at(at);
-        let Some((map, index)) = layer.map.as_ref().zip(layer.window.place_of(pixel)) else { return };
+        let Some((map, index)) = layer.map.as_ref().zip(layer.window.sample_index(pixel)) else { return };
         let angle = rotation(map, index, pixel_aspect);
         if angle.abs() > LEAST {
             let (sin, cos) = angle.sin_cos();

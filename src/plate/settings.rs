@@ -98,7 +98,7 @@ pub enum Semantic {
     Depth,
     /// Ids: nearest, never blended.
     Id,
-    /// Ranks of a Cryptomatte: coverage is gathered an id at a time.
+    /// Ranks of a Cryptomatte: coverage is accumulated per id.
     Cryptomatte,
     /// A component of the vector to this point's place in the next frame.
     Forward,

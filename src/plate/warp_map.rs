@@ -88,11 +88,11 @@ impl WarpMap {
 
     /// Returns the map over another window, undefined outside its own.
     pub(super) fn cropped(&self, window: PixelRect) -> Self {
-        let place = |&index: &u32| window.place_of(self.window.pixel_at(index as usize)).map(|index| index as u32);
+        let place = |&index: &u32| window.sample_index(self.window.pixel_at(index as usize)).map(|index| index as u32);
         Self {
             frame: self.frame,
             window,
-            offsets: self.window.over(&self.offsets, window, [f32::NAN; 2]),
+            offsets: self.window.resized_samples(&self.offsets, window, [f32::NAN; 2]),
             folded_pixels: self.folded_pixels.iter().filter_map(place).collect(),
         }
     }

@@ -26,7 +26,7 @@ impl Drawer {
         let stop = || watch.is_stopped();
         // A layer whose solve over time fails falls back to solving frame by frame, so an error here does not concern
         // this frame.
-        _ = prepared.settle(&stop, &|_| {});
+        _ = prepared.solve_trajectories(&stop, &|_| {});
         watch.check()?;
         let drawn = if prepared.needs_raster() {
             let mut kept = self.device.lock().unwrap_or_else(PoisonError::into_inner);

@@ -86,7 +86,7 @@ impl LatticeFile {
     }
 
     fn __repr__(&self) -> String {
-        format!("<LatticeFile of {}>", spelling::counted(self.0.layers.len(), "layer", "layers"))
+        format!("<LatticeFile of {}>", spelling::pluralised(self.0.layers.len(), "layer", "layers"))
     }
 }
 

@@ -313,7 +313,7 @@ impl Shot {
 
     fn solved(&self, frames: &[i32], watch: &Watch) -> Result<crate::export::LatticeFile, Failure> {
         watch.tell(0, frames.len());
-        _ = self.prepared.settle(&|| watch.is_stopped(), &|_| {});
+        _ = self.prepared.solve_trajectories(&|| watch.is_stopped(), &|_| {});
         // Checking once per frame suffices for cancellation; solved lattices are kept for all frames.
         for (done, &frame) in frames.iter().enumerate() {
             watch.check()?;

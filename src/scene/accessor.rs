@@ -6,7 +6,7 @@
 
 use super::SceneError;
 use super::file::{File, ViewBytes, slice};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use gltf::json::accessor::{ComponentType, Type, sparse};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index};
@@ -225,7 +225,7 @@ fn stored<'a>(view: &ViewBytes<'a>, offset: u64, count: usize, size: usize) -> R
         Some(gaps) => (gaps as u64).checked_mul(stride as u64).and_then(|bytes| bytes.checked_add(size as u64)),
     };
     let bytes = length.and_then(|length| slice(view.bytes, offset, length));
-    let reach = || counted(count, "element", "elements");
+    let reach = || pluralised(count, "element", "elements");
     let bytes = bytes.ok_or_else(|| format!("reaches past the end of its buffer view ({})", reach()))?;
     Ok(Elements::Stored { bytes, stride })
 }

@@ -6,7 +6,7 @@ use super::accessor::Integers;
 use super::file::File;
 use super::nodes::{self, Tree};
 use super::{Clip, Interpolation, Node, Placement, SceneError, Track, TrackValues};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::{Quat, Vec3};
 use gltf::json::accessor::Type;
 use gltf::json::animation::{Channel, Interpolation as JsonInterpolation, Property, Sampler};
@@ -142,14 +142,14 @@ impl Keys<'_> {
             TrackValues::Weights(values) => (values.len(), times.len() * per_key * self.targets),
         };
         if have != need {
-            return Err(self.fault(&format!("{} instead of {need}", counted(have, "value", "values"))));
+            return Err(self.fault(&format!("{} instead of {need}", pluralised(have, "value", "values"))));
         }
         let kept = rising(&times);
         if kept.len() < times.len() {
             warnings.push(format!(
                 "{}: {} not later than the one before",
                 self.label,
-                counted(times.len() - kept.len(), "key is", "keys are")
+                pluralised(times.len() - kept.len(), "key is", "keys are")
             ));
             times = kept.iter().map(|&key| times[key]).collect();
             keep_keys(&mut values, &kept, per_key, self.targets);

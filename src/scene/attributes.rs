@@ -5,7 +5,7 @@
 use super::accessor::{Floats, Integers};
 use super::file::File;
 use super::{Influence, MorphTarget, SceneError};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::Semantic;
@@ -89,7 +89,7 @@ impl Attributes<'_> {
         let orphans = influences.iter_mut().filter_map(normalize).count();
         if orphans > 0 {
             let orphans =
-                counted(orphans, "vertex without weights follows its", "vertices without weights follow their");
+                pluralised(orphans, "vertex without weights follows its", "vertices without weights follow their");
             warnings.push(format!("{}: {orphans} first joint", self.label));
         }
         Ok(influences)
@@ -168,7 +168,7 @@ impl Attributes<'_> {
         if count == self.count {
             return Ok(());
         }
-        let (found, wanted) = (counted(count, "element", "elements"), counted(self.count, "vertex", "vertices"));
+        let (found, wanted) = (pluralised(count, "element", "elements"), pluralised(self.count, "vertex", "vertices"));
         Err(self.file.invalid(format!("{what} has {found} for {wanted}")))
     }
 }

@@ -4,7 +4,7 @@
 
 use super::{FileAccess, SceneError, access};
 use crate::memory::OverBudget;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use base64::Engine as _;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
@@ -78,7 +78,7 @@ impl File {
         if (bytes.len() as u64) < buffer.byte_length.0 {
             return Err(self.invalid(format!(
                 "buffers[{index}] must have {} and has {}; copy or export it again",
-                counted(buffer.byte_length.0, "byte", "bytes"),
+                pluralised(buffer.byte_length.0, "byte", "bytes"),
                 bytes.len()
             )));
         }

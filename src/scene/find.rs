@@ -3,7 +3,7 @@
 //! In: a scene and a name, number or pattern. Out: indices, or an error that suggests the nearest valid name.
 
 use super::Scene;
-use crate::spelling::{self, counted};
+use crate::spelling::{self, pluralised};
 
 /// Something that a shot names but the scene does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +29,7 @@ pub enum FindError {
         hint: String,
     },
     /// A clip index out of range.
-    #[error("the scene has {}, there is no clip {index} (the first is 0)", counted(*count, "clip", "clips"))]
+    #[error("the scene has {}, there is no clip {index} (the first is 0)", pluralised(*count, "clip", "clips"))]
     ClipOutOfRange {
         /// The requested index.
         index: usize,
@@ -121,6 +121,6 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn matching(&self, pattern: &str) -> Vec<usize> {
-        (0..self.nodes.len()).filter(|&index| spelling::fits(pattern, &self.nodes[index].name)).collect()
+        (0..self.nodes.len()).filter(|&index| spelling::matches_pattern(pattern, &self.nodes[index].name)).collect()
     }
 }

@@ -6,7 +6,7 @@ use super::SceneError;
 use super::accessor::Integers;
 use super::file::File;
 use super::nodes::{name, unit};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::{Quat, Vec3};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::Semantic;
@@ -70,7 +70,7 @@ pub(super) fn read(file: &File, warnings: &mut Vec<String>) -> Result<Vec<Instan
         instances = instances.saturating_add(count);
         vertices = vertices.saturating_add(count.saturating_mul(vertex_count(file, mesh.value())));
         if instances > MAX_INSTANCES || vertices > MAX_VERTICES {
-            let count = counted(count, "instance", "instances");
+            let count = pluralised(count, "instance", "instances");
             return Err(file.invalid(format!(
                 "node \"{name}\" has {count}; with it the file asks for {instances} instances of {vertices} vertices, \
                  at most {MAX_INSTANCES} and {MAX_VERTICES} are drawn; export fewer"

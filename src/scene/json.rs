@@ -4,7 +4,7 @@
 //! extensions are checked; harmless content that the typed reader would reject is removed with a warning.
 
 use super::{SceneError, approximate, instances};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use gltf::json::{self, Root};
 use serde_json::Value;
 use std::ops::Range;
@@ -98,7 +98,7 @@ fn chunks(bytes: &[u8]) -> Result<Vec<(u32, Range<usize>)>, String> {
         let start = at + 8;
         let end = start.saturating_add(length as usize);
         if end > bytes.len() {
-            let length = counted(length, "byte", "bytes");
+            let length = pluralised(length, "byte", "bytes");
             return Err(format!("the chunk at byte {at} of the .glb has {length}, more than the file"));
         }
         found.push((kind, start..end));
@@ -227,7 +227,7 @@ fn drop_foreign_channels(clip: usize, channels: &mut Vec<Value>, warnings: &mut 
         warnings.push(format!(
             "animations[{clip}]: {dropped} of {} ignored, since what moves has to be a node's translation, rotation, \
              scale or weights",
-            counted(before, "channel", "channels")
+            pluralised(before, "channel", "channels")
         ));
     }
 }

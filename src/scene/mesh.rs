@@ -8,7 +8,7 @@ use super::attributes::{Attributes, Label};
 use super::file::File;
 use super::nodes::Used;
 use super::{Material, Mesh, Primitive, SceneError, geometry, lines, tangents, vertices};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Semantic};
@@ -98,7 +98,7 @@ impl Loader<'_> {
         let corners = corners(self.file, json, positions.len(), label)?;
         if mode == Mode::Triangles && corners.len() % 3 != 0 {
             let corners =
-                counted(corners.len(), "corner is not a multiple of three", "corners are not a multiple of three");
+                pluralised(corners.len(), "corner is not a multiple of three", "corners are not a multiple of three");
             self.warnings.push(format!("{label}: {corners}, the rest is left out"));
         }
         let attributes = Attributes { file: self.file, json, count: positions.len(), label };

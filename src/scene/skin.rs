@@ -6,7 +6,7 @@ use super::accessor::Integers;
 use super::file::File;
 use super::nodes::{self, Tree, Used};
 use super::{Node, Scene, SceneError, Skin};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use glam::Mat4;
 use gltf::json::accessor::Type;
 
@@ -37,8 +37,8 @@ fn load_skin(file: &File, tree: &Tree, index: usize) -> Result<Skin, SceneError>
         }
     };
     if joint_from_mesh.len() < joints.len() {
-        let have = counted(joint_from_mesh.len(), "inverse bind matrix", "inverse bind matrices");
-        let need = counted(joints.len(), "joint", "joints");
+        let have = pluralised(joint_from_mesh.len(), "inverse bind matrix", "inverse bind matrices");
+        let need = pluralised(joints.len(), "joint", "joints");
         return Err(file.invalid(format!("skins[{index}] has {have} for {need}")));
     }
     if let Some(joint) = joint_from_mesh.iter().position(|matrix| !matrix.is_finite()) {
@@ -63,7 +63,7 @@ fn check_node(file: &File, scene: &Scene, node: &Node) -> Result<(), SceneError>
                 "mesh \"{}\", primitive {number}, vertex {vertex} follows a joint that the skin of node \"{}\" ({}) lacks",
                 mesh.name,
                 node.name,
-                counted(joints, "joint", "joints")
+                pluralised(joints, "joint", "joints")
             )));
         }
     }

@@ -412,7 +412,7 @@ pub enum Rotation {
 pub enum Ease {
     /// Keeps the value until the next key.
     Hold,
-    /// Straight.
+    /// Linear interpolation.
     #[default]
     Linear,
     /// Slow in, slow out: 3t² − 2t³.

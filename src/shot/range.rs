@@ -3,7 +3,7 @@
 //! In: a [`Shot`]. Out: notes for the user.
 
 use super::{Anchor, FrameRange, Layer, Shot};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 impl Shot {
     /// Returns one note for each layer with keys outside the frames of the shot, and for each pin anchored in a frame
@@ -34,7 +34,7 @@ fn notes_of(layer: &Layer, frames: FrameRange) -> Vec<String> {
         notes.push(format!(
             "layer '{}': {} outside the shot's frames {first} to {last}, for example in frame {example}",
             layer.name,
-            counted(outside.len(), "key lies", "keys lie")
+            pluralised(outside.len(), "key lies", "keys lie")
         ));
     }
     notes

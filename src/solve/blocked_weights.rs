@@ -78,7 +78,7 @@ impl<const C: usize> BlockedWeights<C> {
         let mut meter = cancel.meter();
         for chunk in rows.chunks(LANES) {
             // A weight takes about ten multiplications.
-            if meter.spend(10 * LANES * handles.len()) {
+            if meter.count_and_poll(10 * LANES * handles.len()) {
                 break;
             }
             let base = self.coefficients.len();
@@ -168,7 +168,7 @@ impl<const C: usize> BlockedWeights<C> {
         let count = block.handles.len();
         let coefficients = &self.coefficients[block.start..][..count * values.len()];
         for (k, &handle) in block.handles.iter().enumerate() {
-            if meter.spend(LANES * C * D * values.len()) {
+            if meter.count_and_poll(LANES * C * D * values.len()) {
                 return true;
             }
             let mut totals = [[simd.splat_f64s(0.0); C]; D];

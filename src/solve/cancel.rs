@@ -79,7 +79,7 @@ pub(crate) struct WorkMeter<'a> {
 impl WorkMeter<'_> {
     /// Adds to the count. Returns true if the loop must stop, whose result must then be discarded.
     #[must_use]
-    pub(crate) fn spend(&mut self, multiplications: usize) -> bool {
+    pub(crate) fn count_and_poll(&mut self, multiplications: usize) -> bool {
         self.work += multiplications;
         if self.work < WORK_PER_POLL {
             return false;

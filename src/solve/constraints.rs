@@ -195,7 +195,7 @@ impl ConstraintRow {
 
     fn residual<const D: usize>(self, terms: &Terms<D>, handles: &[[f64; D]]) -> [f64; D] {
         let (rows, row) = self.place(terms);
-        rows.miss(row, handles)
+        rows.residual(row, handles)
     }
 
     /// Returns the set that holds the row, and its index there. A pin that gives way has a row in the set of yielding rows.

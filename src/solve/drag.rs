@@ -14,7 +14,7 @@ use super::settings::Settings;
 use super::solver::{CancellableSolver, Solver};
 use super::targets::Targets;
 use crate::lattice::Lattice;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// Maximum number of Newton steps per move.
 const STEPS: usize = 5;
@@ -69,8 +69,8 @@ impl<const D: usize> Solver<D> {
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'_, D>, SolveError> {
         if self.system().has_branches() {
             return Err(SolveError::Invalid {
-                what: "the drag starts from a lattice, the solver has branches".into(),
-                hint: "start from a whole solution: `drag_from`".into(),
+                what: "the drag needs all branches, because the lattice of this solver branches".into(),
+                hint: "start from a complete solution: `drag_from`".into(),
             });
         }
         self.drag_unknowns(&from.handles)
@@ -95,7 +95,7 @@ impl<const D: usize> Solver<D> {
         let (found, wanted) = (from.len(), self.system().rest().len());
         if found != wanted {
             return Err(SolveError::Invalid {
-                what: format!("the drag starts from {}, the grid has {wanted}", counted(found, "handle", "handles")),
+                what: format!("the drag starts from {}, the grid has {wanted}", pluralised(found, "handle", "handles")),
                 hint: "start from a solution of the same solver".into(),
             });
         }
@@ -157,7 +157,7 @@ impl<const D: usize> Drag<'_, D> {
         let mut run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
-            run = self.solver.system().off_saddles(run, (pins, handles), self.cancel.unwrap_or(&Cancel::never()))?;
+            run = self.solver.system().leave_saddle(run, (pins, handles), self.cancel.unwrap_or(&Cancel::never()))?;
             self.handles.clone_from(&run.handles);
             self.checked = Some(run.handles.clone());
         }

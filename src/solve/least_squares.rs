@@ -110,20 +110,20 @@ impl<const D: usize> LeastSquaresRows<D> {
     }
 
     /// Returns the residual row·P − target.
-    pub(crate) fn miss(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
-        let mut miss = self.targets[index].map(|x| -x);
+    pub(crate) fn residual(&self, index: usize, handles: &[[f64; D]]) -> [f64; D] {
+        let mut residual = self.targets[index].map(|x| -x);
         for &(handle, coefficient) in self.row(index) {
-            (0..D).for_each(|d| miss[d] += coefficient * handles[handle][d]);
+            (0..D).for_each(|d| residual[d] += coefficient * handles[handle][d]);
         }
-        miss
+        residual
     }
 
     /// Energy Σ w ‖row·P − target‖².
     pub(crate) fn energy(&self, handles: &[[f64; D]]) -> f64 {
         (0..self.len())
             .map(|index| {
-                let miss = self.miss(index, handles);
-                self.weights[index] * miss.iter().map(|x| x * x).sum::<f64>()
+                let residual = self.residual(index, handles);
+                self.weights[index] * residual.iter().map(|x| x * x).sum::<f64>()
             })
             .sum()
     }

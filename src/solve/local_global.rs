@@ -20,11 +20,11 @@ impl<const D: usize> Minimization<'_, D> {
         mut observe: Option<&mut dyn FnMut(Energies)>,
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let free = match &mut observe {
-            Some(observe) => self.run_freely(Some(&mut **observe))?,
-            None => self.run_freely(None)?,
+            Some(observe) => self.run_without_barrier(Some(&mut **observe))?,
+            None => self.run_without_barrier(None)?,
         };
         let iterations = free.iterations;
-        let result = self.kept_clear(free, self.initial)?;
+        let result = self.with_barrier(free, self.initial)?;
         if let Some(observe) = observe.filter(|_| result.iterations > iterations) {
             observe(self.energies(&result.handles, &result.handles));
         }
@@ -32,7 +32,7 @@ impl<const D: usize> Minimization<'_, D> {
     }
 
     /// Same as [`Self::run`], without the barrier.
-    pub(crate) fn run_freely(
+    pub(crate) fn run_without_barrier(
         &self,
         mut observe: Option<&mut dyn FnMut(Energies)>,
     ) -> Result<MinimizationResult<D>, Cancelled> {

@@ -59,7 +59,7 @@ impl CachedFactor {
         self.factor.is_some()
     }
 
-    fn drop_factor(&mut self) {
+    fn discard_factor(&mut self) {
         if let Some(factor) = self.factor.take() {
             self.buffer = factor.into_buffer();
         }
@@ -174,7 +174,7 @@ impl<const D: usize> Minimization<'_, D> {
                 is_minimum: None,
                 energy: None,
             };
-            return self.kept_clear(reached, Some(&before));
+            return self.with_barrier(reached, Some(&before));
         }
         let mut residuals = Vec::new();
         self.constraints.enforce(self.terms, &mut residuals, &mut handles);
@@ -193,12 +193,12 @@ impl<const D: usize> Minimization<'_, D> {
             run.is_converged = descent.step()? == StepOutcome::Converged;
         }
         if !run.is_converged && descent.is_far() {
-            descent.drop_factor();
+            descent.discard_factor();
         }
         *cached = descent.cached;
         run.handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut residuals, &mut run.handles);
-        self.kept_clear(run, Some(&before))
+        self.with_barrier(run, Some(&before))
     }
 
     fn iterate(&self, handles: Vec<[f64; D]>, constant: &[[f64; D]]) -> Result<NewtonIterate<D>, Cancelled> {
@@ -344,12 +344,12 @@ impl<'a, const D: usize> Descent<'a, D> {
     fn accept_or_reject(&mut self, next: NewtonIterate<D>) -> StepOutcome {
         if !self.is_lower(&next) && self.cached.is_some() {
             self.level += usize::from(self.steps.len() == 1);
-            self.drop_factor();
+            self.discard_factor();
             return StepOutcome::Rejected;
         }
         self.iterate = next;
         if !self.cached.is_some() || self.factors_left > 0 && self.is_stale() {
-            self.drop_factor();
+            self.discard_factor();
             self.level = 0;
         }
         StepOutcome::Accepted
@@ -368,8 +368,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.steps.last().is_none_or(|&step| step > STALE * tolerance)
     }
 
-    fn drop_factor(&mut self) {
-        self.cached.drop_factor();
+    fn discard_factor(&mut self) {
+        self.cached.discard_factor();
         self.anderson.reset();
         self.steps.clear();
     }

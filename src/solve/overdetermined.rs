@@ -45,7 +45,7 @@ impl Overdetermined {
         let mut b = Vec::with_capacity(rows.len());
         for row in rows {
             b.push(lower.forward(row));
-            if meter.spend(normal.size * normal.size / 2) {
+            if meter.count_and_poll(normal.size * normal.size / 2) {
                 return Err(Cancelled);
             }
         }
@@ -105,7 +105,7 @@ fn rivals(
             if shared > best.map_or(conflict, |best| best.0) {
                 best = Some((shared, other));
             }
-            if meter.spend(own.len()) {
+            if meter.count_and_poll(own.len()) {
                 return Err(Cancelled);
             }
         }

@@ -118,7 +118,7 @@ pub enum Topology {
     /// All points near a handle, however far apart they are along the shape.
     #[default]
     Plain,
-    /// Points near a handle that are connected near it: every connected piece of the shape has its own copy of the handle.
+    /// Each connected piece near a handle has its own copy of it.
     Branching,
 }
 
@@ -139,7 +139,7 @@ pub enum Guard {
     /// Folds are reported.
     #[default]
     Report,
-    /// Cells that contain some of the shape cannot fold: a barrier keeps det J above 0 there, and pins that need more force than
+    /// Cells that contain part of the shape cannot fold: a barrier keeps det J above 0 there, and pins that need more force than
     /// its limit give way (docs/METHOD.md, "Barrier").
     Limit,
 }

@@ -26,7 +26,7 @@ use super::yielding::{YieldingPair, yielding_pairs};
 use super::yielding_rows::YieldingRows;
 use super::{energy, pin_residuals, pins, validate};
 use crate::lattice::{Folds, Grid, Lattice};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -88,7 +88,8 @@ impl<const D: usize> System<D> {
         self.is_active = active_cells(&self.grid, shape);
     }
 
-    /// Same as [`Self::new`], without active cells, and with points of the model for a proximal term ([`Self::draw_points`]).
+    /// Same as [`Self::new`], without active cells, and with points of the model for a proximal term
+    /// ([`Self::set_proximal_targets`]).
     pub(crate) fn with_points(
         problem: &Problem<D>,
         points: &[ModelPoint<D>],
@@ -181,12 +182,12 @@ impl<const D: usize> System<D> {
             stiffness,
             warnings,
         };
-        system.let_yield(cancel)?;
+        system.apply_yielding(cancel)?;
         Ok(system)
     }
 
     /// Lets pins give way for the targets in the problem, where these demand too much.
-    fn let_yield(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
+    fn apply_yielding(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
         let Retargeted { terms, yielded } = self.yielding((&self.pins, &self.handles), self.terms.clone(), cancel)?;
         (self.terms, self.yielded) = (terms, yielded);
         Ok(())
@@ -234,7 +235,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Draws the points of the proximal term to `places` with the given weight.
-    pub(crate) fn draw_points(
+    pub(crate) fn set_proximal_targets(
         &mut self,
         places: impl IntoIterator<Item = [f64; D]>,
         weight: f64,
@@ -249,7 +250,7 @@ impl<const D: usize> System<D> {
         self.terms.proximal.add_normal(weight, &mut normal, cancel);
         self.terms.yielding = None;
         self.prefactored = Prefactored::new(normal, &self.terms, &self.pins, &self.settings, cancel)?;
-        self.let_yield(cancel)
+        self.apply_yielding(cancel)
     }
 
     /// Whether the second derivative of the energy with a proximal term of the given weight is positive definite at `handles`.
@@ -398,7 +399,7 @@ impl<const D: usize> System<D> {
     /// Returns the solution of a problem without pins and moved handles: the grid at rest.
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
-        warnings.push("no pins and no moved handles: nothing is warped; add a pin".into());
+        warnings.push("no pins and no moved handles: the lattice stays at rest; add a pin".into());
         let result = MinimizationResult {
             handles: self.rest(),
             iterations: 0,
@@ -426,7 +427,7 @@ impl<const D: usize> System<D> {
                 .push("the solve ended at a saddle: the shape may buckle to either side; move a pin or add one".into());
         }
         if !result.is_converged && self.settings.tolerance > 0.0 {
-            let spent = counted(result.iterations, "iteration", "iterations");
+            let spent = pluralised(result.iterations, "iteration", "iterations");
             warnings.push(format!("not converged after {spent}; the result may still move"));
         }
         self.report(goal, result, warnings)

@@ -4,7 +4,7 @@
 
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Region, Shape};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// Largest absolute coordinate, for which products of four coordinates stay finite.
 const FURTHEST: f64 = 1e50;
@@ -53,7 +53,7 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
     stiffness(shape)?;
     let is_bad = |triangle: &[u32; 3]| triangle.iter().any(|&corner| corner as usize >= count);
     if let Some(bad) = shape.triangles.iter().position(is_bad) {
-        let vertices = counted(count, "vertex", "vertices");
+        let vertices = pluralised(count, "vertex", "vertices");
         return Err(invalid(
             format!("triangle {bad} has corners {:?}, the shape has {vertices}", shape.triangles[bad]),
             "corners are vertex indices from 0".into(),
@@ -62,7 +62,10 @@ fn shape<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
     let is_beyond = |stroke: &Vec<u32>| stroke.iter().any(|&vertex| vertex as usize >= count);
     if let Some(bad) = shape.strokes.iter().position(is_beyond) {
         return Err(invalid(
-            format!("line {bad} names a vertex that is not there, the shape has {count}"),
+            format!(
+                "line {bad} has a vertex index out of range; the shape has {}",
+                pluralised(count, "vertex", "vertices")
+            ),
             "lines are lists of vertex indices from 0".into(),
         ));
     }
@@ -73,14 +76,14 @@ fn stiffness<const D: usize>(shape: &Shape<D>) -> Result<(), SolveError> {
     let (found, wanted) = (shape.stiffness.len(), shape.triangles.len());
     if found != 0 && found != wanted {
         let (triangles, stiffnesses) =
-            (counted(wanted, "triangle", "triangles"), counted(found, "stiffness", "stiffnesses"));
+            (pluralised(wanted, "triangle", "triangles"), pluralised(found, "stiffness", "stiffnesses"));
         let what = format!("the shape has {triangles} and {stiffnesses}");
-        return Err(invalid(what, "give one a triangle, or none".into()));
+        return Err(invalid(what, "give one stiffness per triangle, or none at all".into()));
     }
     match shape.stiffness.iter().position(|x| !(*x >= 0.0 && x.is_finite())) {
         Some(bad) => Err(invalid(
             format!("the stiffness of triangle {bad} is {}", shape.stiffness[bad]),
-            "use a finite number from 0; 1 is a triangle's own".into(),
+            "use a finite number from 0; 1 is the default".into(),
         )),
         None => Ok(()),
     }
@@ -124,7 +127,9 @@ pub(crate) fn same_pins<const D: usize>(known: &[PointPin<D>], given: &[PointPin
         pin(index, b)?;
         if a.at != b.at || a.weight != b.weight || a.region != b.region || a.gradient.is_some() != b.gradient.is_some()
         {
-            return Err(changed(format!("pin {index} has another rest point, weight, region or kind")));
+            return Err(changed(format!(
+                "pin {index} has a different rest point, weight or region, or gained or lost its gradient"
+            )));
         }
     }
     Ok(())
@@ -143,7 +148,7 @@ pub(crate) fn same_handles<const D: usize>(known: &[HandlePin<D>], given: &[Hand
 }
 
 fn same_count(known: usize, given: usize, [one, many]: [&str; 2]) -> Result<(), SolveError> {
-    if known == given { Ok(()) } else { Err(changed(format!("{} instead of {known}", counted(given, one, many)))) }
+    if known == given { Ok(()) } else { Err(changed(format!("{} instead of {known}", pluralised(given, one, many)))) }
 }
 
 fn finite<const D: usize>(values: &[f64; D], what: impl Fn() -> String) -> Result<(), SolveError> {

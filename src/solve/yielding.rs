@@ -21,7 +21,7 @@ const NEAR: f64 = 0.44;
 const SPAN_COMPLIANCE: f64 = 0.25;
 
 /// Up to about this multiple of the limit pairs yield with a constant force, and beyond it with a decreasing one.
-const OUTRAGEOUS: f64 = 10.0;
+const CONSTANT_FORCE_LIMIT: f64 = 10.0;
 
 /// Upper limit of the compliance, in units of that of a pin that holds exactly.
 const SOFTEST: f64 = 1e6;
@@ -106,7 +106,7 @@ impl<const D: usize> Demand<D> {
         let fade = (1.0 - square).powi(3);
         // Compliance of the span that the pair would have to stretch.
         let lattice = SPAN_COMPLIANCE * firmness * grid.cell_count() as f64 * length * length;
-        let compliance = lattice * fade * excess * excess / (1.0 + excess) * (1.0 + excess / OUTRAGEOUS);
+        let compliance = lattice * fade * excess * excess / (1.0 + excess) * (1.0 + excess / CONSTANT_FORCE_LIMIT);
         compliance / (1.0 + compliance / SOFTEST)
     }
 }

@@ -128,13 +128,13 @@ impl PixelRect {
     /// ```
     /// use pinwarp::space::PixelRect;
     /// let window = PixelRect { x: -2, y: 0, width: 4, height: 3 };
-    /// assert_eq!(window.place_of([-1, 2]), Some(9));
+    /// assert_eq!(window.sample_index([-1, 2]), Some(9));
     /// assert_eq!(window.pixel_at(9), [-1, 2]);
-    /// assert_eq!(window.place_of([2, 0]), None);
+    /// assert_eq!(window.sample_index([2, 0]), None);
     /// ```
     #[must_use]
     #[inline]
-    pub fn place_of(self, [x, y]: [i32; 2]) -> Option<usize> {
+    pub fn sample_index(self, [x, y]: [i32; 2]) -> Option<usize> {
         let column = usize::try_from(i64::from(x) - i64::from(self.x)).ok()?;
         let row = usize::try_from(i64::from(y) - i64::from(self.y)).ok()?;
         let is_inside = column < self.width as usize && row < self.height as usize;
@@ -174,13 +174,13 @@ impl PixelRect {
     /// ```
     /// use pinwarp::space::PixelRect;
     /// let (a, b) = (PixelRect { x: 0, y: 0, width: 2, height: 1 }, PixelRect { x: 1, y: 0, width: 2, height: 1 });
-    /// assert_eq!(a.over(&[1.0, 2.0], b, 0.0), [2.0, 0.0]);
+    /// assert_eq!(a.resized_samples(&[1.0, 2.0], b, 0.0), [2.0, 0.0]);
     /// ```
     ///
     /// # Panics
     /// If there are fewer samples than pixels.
     #[must_use]
-    pub fn over<T: Copy>(self, samples: &[T], other: Self, outside: T) -> Vec<T> {
+    pub fn resized_samples<T: Copy>(self, samples: &[T], other: Self, outside: T) -> Vec<T> {
         let mut result = vec![outside; other.area()];
         for [from, to] in self.shared_rows(other) {
             result[to].copy_from_slice(&samples[from]);
@@ -201,15 +201,15 @@ mod tests {
     proptest! {
         #[test]
         fn windows_hold_what_their_pixels_say(a in window(), b in window()) {
-            let has = |window: PixelRect, pixel| window.place_of(pixel).is_some();
+            let has = |window: PixelRect, pixel| window.sample_index(pixel).is_some();
             let (both, either) = (a.intersection(b), a.union(b));
             for pixel in (-12..14).flat_map(|y| (-12..14).map(move |x| [x, y])) {
                 prop_assert_eq!(has(both, pixel), has(a, pixel) && has(b, pixel));
                 prop_assert!(has(either, pixel) || !(has(a, pixel) || has(b, pixel)));
             }
             let numbers: Vec<i32> = (0..a.area() as i32).collect();
-            for (place, number) in a.over(&numbers, b, -1).into_iter().enumerate() {
-                prop_assert_eq!(number, a.place_of(b.pixel_at(place)).map_or(-1, |place| place as i32));
+            for (place, number) in a.resized_samples(&numbers, b, -1).into_iter().enumerate() {
+                prop_assert_eq!(number, a.sample_index(b.pixel_at(place)).map_or(-1, |place| place as i32));
             }
         }
     }

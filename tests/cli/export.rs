@@ -314,6 +314,6 @@ fn exports_that_cannot_be() {
     for flag in ["--layer front", "--inverse", "--size 64x36", "--overscan 8", "--resume"] {
         bench.run(&format!("export shot.toml --to gltf {flag} -o x.glb")).says(2, &["is for maps", "leave it out"]);
     }
-    bench.run("export shot.toml --to after-effects --inverse").says(2, &["push one way only"]);
+    bench.run("export shot.toml --to after-effects --inverse").says(2, &["displacement maps cannot be inverted"]);
     bench.run("export shot.toml --to fbx").says(2, &["possible values", "blender"]);
 }

@@ -99,7 +99,7 @@ fn openjd_runs_the_template_to_the_bytes_of_a_single_run() {
     let arguments = [farm.path("").into_os_string(), PROGRAM.into()];
     let arguments: Vec<&OsStr> = arguments.iter().map(AsRef::as_ref).collect();
     let Some(said) = python::run(&["openjd.cli"], OPENJD, &arguments) else { return };
-    assert!(said.contains("openjd_progress: 100.0") && said.contains("7 whole frames"), "{said}");
+    assert!(said.contains("openjd_progress: 100.0") && said.contains("7 complete frames"), "{said}");
     assert!(said.contains("2 kept"), "{said}");
     assert_eq!(bytes_in(&single.path("out")), bytes_in(&farm.path("out")));
 }
@@ -145,7 +145,7 @@ fn slurm_s_script_submits_three_jobs_that_make_all_frames() {
     assert!(lines.iter().all(|line| line.contains("--partition=render")), "{submitted}");
     assert!(lines[1].contains("--dependency=afterok:1 --array=0-2"), "{submitted}");
     assert!(lines[2].contains("--dependency=afterany:2"), "{submitted}");
-    assert!(log().contains("7 whole frames"), "{}", log());
+    assert!(log().contains("7 complete frames"), "{}", log());
     assert_eq!(bytes_in(&single.path("out")), bytes_in(&farm.path("out")));
 }
 
@@ -159,7 +159,7 @@ fn plates_are_warped_by_jobs_too() {
     assert!(words(1).starts_with(r#"["warp","#) && words(1).contains("in/b.####.exr"), "{}", words(1));
     assert!(words(2).contains("warped/b.####.exr"), "{}", words(2));
     bench.run("warp in/b.####.exr --shot shot.toml -o warped/b.####.exr --device cpu --openjd").says(0, &[]);
-    tells(bench.run("report warped"), 0, &["2 whole frames"]);
+    tells(bench.run("report warped"), 0, &["2 complete frames"]);
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn a_report_tells_what_is_missing_damaged_mixed_or_over_limits() {
     let bench = bench();
     bench.render("--preview").says(0, &[]);
     let good =
-        tells(bench.run("report shot.toml --verify"), 0, &["7 whole frames", "layer 'all': pins off by at most"]);
+        tells(bench.run("report shot.toml --verify"), 0, &["7 complete frames", "layer 'all': pins off by at most"]);
     assert!(!good.stdout.contains("error"), "{}", good.stdout);
     tells(bench.run("report out --max-pin-error 0.5 --max-folds 0 --max-warnings 0"), 0, &[]);
     // Half of the model's corner moved: a limit below what was measured fails.

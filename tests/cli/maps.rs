@@ -50,7 +50,7 @@ fn maps_are_written_kept_and_replaced_like_frames() {
     assert_eq!(resumed("shot.toml", "0 frames, 2 kept"), "", "nothing is stale");
     bench.write("other.toml", format!("{HEAD}{}{OUTPUT}", PIN.replace("0.1, 0.05", "0.1, 0.06")).as_bytes());
     let told = resumed("other.toml", "1 frame, 1 kept");
-    assert!(told.contains("1 frame is made again (2): it was made from another state of the shot"), "{told}");
+    assert!(told.contains("1 frame is rendered again (2): it was made from another state of the shot"), "{told}");
     bench.run("export shot.toml --to stmap -o st/m.exr").says(2, &["no frame counter for 2 frames"]);
     bench.run("export shot.toml --to stmap --layer al").says(2, &["no warped layer 'al'", "did you mean"]);
     bench.run("export shot.toml --to stmap --size 64").says(2, &["1920x1080"]);

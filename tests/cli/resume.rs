@@ -1,4 +1,4 @@
-//! `--resume`: what is kept, what is made again and why; runs that died, and runs that meet.
+//! `--resume`: what is kept, what is rendered again and why; runs that died, and runs that meet.
 
 use crate::support::{Bench, HEAD, OUTPUT, PIN, PROGRAM, names_in};
 use pinwarp::image::{Frame, FrameMetadata, Plate, read_exr, write_exr, write_plate};
@@ -58,7 +58,7 @@ fn kinds() -> [Kind; 4] {
     ]
 }
 
-/// Resumes, and checks which frames were made again and why.
+/// Resumes, and checks which frames were rendered again and why.
 #[track_caller]
 fn resumed(kind: &Kind, flags: &str, redone: &[(i64, &str)]) {
     let ended = kind.bench.run(&format!("{} --resume --json {flags}", kind.run)).says(0, &[]);
@@ -76,7 +76,7 @@ fn resumed(kind: &Kind, flags: &str, redone: &[(i64, &str)]) {
     );
     if let Some((_, why)) = redone.first() {
         let is_note = |event: &Value| {
-            event["text"].as_str().is_some_and(|text| text.contains("made again") && text.contains(why))
+            event["text"].as_str().is_some_and(|text| text.contains("rendered again") && text.contains(why))
         };
         assert!(events.iter().any(is_note), "{events:#?}");
     }
@@ -209,7 +209,7 @@ fn other_sizes_versions_and_devices_are_made_again() {
     let bench = Bench::new();
     bench.render("").says(0, &[]);
     let good = bench.read("out/f.0001.exr");
-    bench.render("--resume --scale 1/2").says(0, &["2 frames are made again (1 to 2): its size is 64 x 36"]);
+    bench.render("--resume --scale 1/2").says(0, &["2 frames are rendered again (1 to 2): its size is 64 x 36"]);
     bench.render("--resume").says(0, &["its size is 32 x 18"]);
     assert_eq!(bench.read("out/f.0001.exr"), good);
     bench.render("--resume --samples 2").says(0, &["another state of the shot"]);
@@ -222,9 +222,9 @@ fn other_sizes_versions_and_devices_are_made_again() {
         bench.write("out/f.0001.exr", &bytes);
     };
     replaced("\"device\":\"CPU", "\"device\":\"GPU");
-    bench.render("--resume").says(0, &["1 frame is made again (1): it was drawn on GPU"]);
+    bench.render("--resume").says(0, &["1 frame is rendered again (1): it was drawn on GPU"]);
     replaced(&format!("\"version\":\"{}", env!("CARGO_PKG_VERSION")), "\"version\":\"9.9.9");
-    bench.render("--resume").says(0, &["1 frame is made again (1): pinwarp 9.9.9 wrote it"]);
+    bench.render("--resume").says(0, &["1 frame is rendered again (1): pinwarp 9.9.9 wrote it"]);
     assert_eq!(bench.read("out/f.0001.exr"), good);
 }
 
@@ -234,7 +234,7 @@ fn previews_belong_to_their_frames() {
     bench.render("--preview").says(0, &[]);
     let plain = bench.read("out/f.0002.png");
     bench.render("--preview --resume").says(0, &["0 frames", "2 kept"]);
-    bench.render("--overlay --resume").says(0, &["2 frames are made again", "preview is missing or out of date"]);
+    bench.render("--overlay --resume").says(0, &["2 frames are rendered again", "preview is missing or out of date"]);
     assert_ne!(bench.read("out/f.0002.png"), plain, "the overlay is drawn");
     bench.write("out/f.0002.png", &plain[..plain.len() / 2]);
     bench.render("--preview --resume").says(0, &["preview is missing or out of date"]);
@@ -255,7 +255,7 @@ fn maps_are_checked_as_frames_are() {
         let path = folder.join(found.expect("a map"));
         let good = std::fs::read(&path).expect("read");
         std::fs::write(&path, &good[..good.len() / 2]).expect("written");
-        bench.run(&format!("{export} --resume")).says(0, &["made again (1)", "cut off or damaged"]);
+        bench.run(&format!("{export} --resume")).says(0, &["rendered again (1)", "cut off or damaged"]);
         assert!(std::fs::read(&path).expect("read") == good, "{format}: the same bytes");
     }
 }

@@ -185,7 +185,7 @@ fn resume_keeps_what_is_whole() {
     let ended = bench.run("warp --shot shot.toml --resume").says(0, &["1 frame, 1 kept", "frame 2 ->", "cut off"]);
     assert!(!ended.stderr.contains("another state"), "{}", ended.stderr);
     assert_eq!([bench.read("out/w.0001.exr"), bench.read("out/w.0002.exr")], [first, second], "the same bytes");
-    let again = "2 frames are made again (1 to 2): it was made from another state of the shot";
+    let again = "2 frames are rendered again (1 to 2): it was made from another state of the shot";
     bench.run("warp --shot shot.toml --resume --filter nearest").says(0, &["2 frames", again]);
 }
 

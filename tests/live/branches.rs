@@ -37,7 +37,8 @@ fn rendered(strength: f64) -> (Frame, [usize; 2]) {
 
 /// Red, green, blue and alpha over the whole frame.
 fn planes(frame: &Frame, window: PixelRect) -> Vec<Vec<f32>> {
-    let plane = |name: &&str| frame.data_window.over(&frame.channel(name).expect("a channel").samples, window, 0.0);
+    let plane =
+        |name: &&str| frame.data_window.resized_samples(&frame.channel(name).expect("a channel").samples, window, 0.0);
     ["R", "G", "B", "A"].iter().map(plane).collect()
 }
 
@@ -97,7 +98,7 @@ fn a_host_shows_what_the_program_renders() {
     let tile = PixelRect { x: 100, y: 300, width: 300, height: 200 };
     let part = warped(&warp, &source, size, tile);
     for (whole, part) in seen.iter().zip(&part) {
-        assert_eq!(&window.over(whole, tile, 0.0), part, "tiles are parts of the whole");
+        assert_eq!(&window.resized_samples(whole, tile, 0.0), part, "tiles are parts of the whole");
     }
 }
 
@@ -111,7 +112,7 @@ fn planes_of_map(warp: &Warp, source: &Picture, size: FrameSize) -> Vec<Vec<f32>
             return 0.0;
         }
         let place = [(map.u[pixel] * width).floor() as i32, ((1.0 - map.v[pixel]) * height).floor() as i32];
-        window.place_of(place).map_or(0.0, |place| plane[place])
+        window.sample_index(place).map_or(0.0, |place| plane[place])
     };
     let planes = source.planes.iter();
     planes.map(|plane| (0..window.area()).map(|pixel| sample(plane, pixel)).collect()).collect()

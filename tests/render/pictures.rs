@@ -284,7 +284,7 @@ fn faults_say_what_to_do() {
         ("image = \"depth.exr\"", "has no channels R, G, B or Y"),
         ("image = [\"girl.exr\", \"small.png\"]", "canvases of one size"),
         ("image = [\"girl.exr\", \"b/girl.exr\"]", "both hold a picture 'girl'"),
-        ("image = \"girl.exr\"\nsize = [100, 100]", "has not the shape of"),
+        ("image = \"girl.exr\"\nsize = [100, 100]", "does not have the aspect ratio of"),
         ("image = [\"girl.exr\", \"torn.png\"]", "torn.png"),
         ("image = \"girl.exr\"\n[[layer]]\nnodes = [\"gril\"]", "did you mean \"girl\"?"),
     ];

@@ -97,7 +97,7 @@ fn a_spread_snap_is_told() {
         let prepared = swing_by("temporal = 0.3", far).prepared();
         let warnings =
             |frame: i32| report(&prepared, frame, &prepared.mid_exposure(frame).expect("it is solved")).warnings;
-        (1..=9).flat_map(warnings).filter(|text| text.contains("a snap is spread over frames")).count()
+        (1..=9).flat_map(warnings).filter(|text| text.contains("a sudden jump is spread over frames")).count()
     };
     let found = [0.05, 0.2, 0.45, 0.6, 0.8].map(|far| (far, told(far)));
     eprintln!("{found:?}");

@@ -12,7 +12,7 @@ use crate::export::{DisplacementNote, displacement, greatest_offset};
 use crate::image::{SequencePath, replace_text, write_codes};
 use crate::pipeline::{BakeTimes, Event, PreparedShot, RenderOptions, input_files, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -148,7 +148,7 @@ impl<'a> Element<'a> {
             None => still_scene(prepared, layer, (&frames, folder.path(), &pattern))?,
         };
         let options = RenderOptions { frames, existing: args.existing.into(), ..RenderOptions::default() };
-        let tell = |event: Event| match event {
+        let on_event = |event: Event| match event {
             Event::FrameFailed { frame, error } => tracing::error!("frame {frame}: {error}"),
             // The scene's notes were already shown when the shot was read, and the missing warp is intended here.
             Event::Note { text } if !alone.notes.contains(&text) => {
@@ -156,8 +156,8 @@ impl<'a> Element<'a> {
             }
             _ => {}
         };
-        let summary = render(&alone, &options, &AtomicBool::new(false), &tell)?;
-        let frames = counted(summary.rendered, "frame", "frames");
+        let summary = render(&alone, &options, &AtomicBool::new(false), &on_event)?;
+        let frames = pluralised(summary.rendered, "frame", "frames");
         writeln!(io::stdout(), "wrote {}: {frames}", pattern.display())?;
         Ok(summary.failed == 0)
     }

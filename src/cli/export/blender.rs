@@ -4,7 +4,7 @@ use super::source::{Source, frames, moved_layers, output};
 use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::cli::outputs;
-use crate::export::blender::{BlenderLayer, BlenderScene, BlenderWay, number_nodes, script};
+use crate::export::blender::{BlenderLayer, BlenderMethod, BlenderScene, number_nodes, script};
 use crate::export::gltf::glb;
 use crate::image::{replace_bytes, replace_text};
 use crate::pipeline::{BakeTimes, PreparedShot, input_files};
@@ -30,7 +30,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     frames.sort_unstable();
     let layers = moved.iter().map(|&layer| prepared.blender_layer(layer, &frames)).collect::<Result<Vec<_>, _>>()?;
     let is_baked = |layer: usize| {
-        moved.iter().zip(&layers).any(|(&moved, told)| moved == layer && matches!(told.way, BlenderWay::Baked(_)))
+        moved.iter().zip(&layers).any(|(&moved, told)| moved == layer && matches!(told.method, BlenderMethod::Baked(_)))
     };
     let baked =
         prepared.bake(&frames, BakeTimes::Frames, is_baked, |frame| tracing::info!("frame {frame} deformed"))?;
@@ -51,7 +51,7 @@ fn blender_scene(prepared: &PreparedShot, (frames, path): (&[i32], &Path), layer
         scene_file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         rate: prepared.shot.frames.rate,
         frames: ends,
-        later: prepared.file_frames(frames),
+        frame_offset: prepared.file_frames(frames),
         size: prepared.shot.size,
         camera: (prepared.blender_camera(), camera.lens()),
         layers,
@@ -62,16 +62,16 @@ fn report(scene: &BlenderScene, (script, file): (&Path, &Path)) -> anyhow::Resul
     let mut out = io::stdout().lock();
     writeln!(out, "wrote {} and {}", script.display(), file.display())?;
     writeln!(out, "run it: blender --python {}", script.display())?;
-    if scene.later > 0 {
-        writeln!(out, "note: frames in Blender are {} later than the shot's, which start below 0", scene.later)?;
+    if scene.frame_offset > 0 {
+        writeln!(out, "note: frames in Blender are {} later than the shot's, which start below 0", scene.frame_offset)?;
     }
     for layer in &scene.layers {
-        match &layer.way {
-            BlenderWay::Lattice(lattice) => {
+        match &layer.method {
+            BlenderMethod::Lattice(lattice) => {
                 let [x, y, z] = lattice.dims;
                 writeln!(out, "layer '{}': a lattice object of {x} x {y} x {z} points, exact", layer.name)?;
             }
-            BlenderWay::Baked(why) => {
+            BlenderMethod::Baked(why) => {
                 writeln!(out, "layer '{}': baked shape keys, no lattice: {why}", layer.name)?;
             }
         }

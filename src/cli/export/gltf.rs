@@ -6,7 +6,7 @@ use crate::cli::outcome::Outcome;
 use crate::export::gltf::{NodeMotion, glb};
 use crate::image::replace_bytes;
 use crate::pipeline::{BakeTimes, PreparedShot, input_files};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::bail;
 use std::io::{self, Write};
 
@@ -28,8 +28,8 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         },
     )?;
     replace_bytes(&output, &glb(prepared.packed()?, &baked)?)?;
-    let frames = counted(frames.len(), "frame", "frames");
-    let nodes = counted(baked.nodes.len(), "deformed node", "deformed nodes");
+    let frames = pluralised(frames.len(), "frame", "frames");
+    let nodes = pluralised(baked.nodes.len(), "deformed node", "deformed nodes");
     writeln!(io::stdout(), "wrote {}: {frames}, {nodes}", output.display())?;
     match baked.motion {
         NodeMotion::Keys { shift_secs } if shift_secs > 0.0 => {

@@ -4,7 +4,7 @@ use super::source::{Source, output};
 use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::export::{LatticeTrack, Track};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
@@ -20,7 +20,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     }
     let names: Vec<&str> = file.layers.iter().map(|layer| layer.name.as_str()).collect();
     let count = file.layers.iter().map(frame_count).max().unwrap_or(0);
-    let frames = counted(count, "frame", "frames");
+    let frames = pluralised(count, "frame", "frames");
     writeln!(io::stdout(), "wrote {}: {frames} of {}", output.display(), names.join(", "))?;
     Ok(Outcome::Complete)
 }

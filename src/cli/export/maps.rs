@@ -13,7 +13,7 @@ use crate::pipeline::{
 use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
 use crate::space::{FrameSize, PixelRect};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
@@ -34,7 +34,7 @@ pub(super) struct Maps {
     /// The pixels that the maps cover.
     window: PixelRect,
     direction: Direction,
-    reach: Reach,
+    extrapolation: Extrapolation,
     /// The indices of the layers in the shot, if each moves its own nodes; `None` if each bends the whole picture.
     parts: Option<Vec<usize>>,
     /// Digest of the contents of the shot's files, whose surfaces affect the maps; empty for lattice files.
@@ -54,7 +54,7 @@ enum Direction {
 
 /// The displacement outside the boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reach {
+enum Extrapolation {
     /// Fades out, for a whole picture.
     Picture,
     /// Continues, for a single layer.
@@ -80,15 +80,17 @@ impl Maps {
         let size = squared(size);
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
-        let reach = if args.layer.is_some() { Reach::Layer } else { Reach::Picture };
-        let parts =
-            prepared.as_deref().filter(|_| reach == Reach::Picture).and_then(|prepared| parts_of(&lattices, prepared));
-        if reach == Reach::Picture && parts.is_none() && lattices.layers.len() > 1 {
+        let extrapolation = if args.layer.is_some() { Extrapolation::Layer } else { Extrapolation::Picture };
+        let parts = prepared
+            .as_deref()
+            .filter(|_| extrapolation == Extrapolation::Picture)
+            .and_then(|prepared| parts_of(&lattices, prepared));
+        if extrapolation == Extrapolation::Picture && parts.is_none() && lattices.layers.len() > 1 {
             let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
             writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
         }
         let contents = prepared.as_deref().map(PreparedShot::contents_digest).unwrap_or_default();
-        Ok((Self { lattices, size, window, direction, reach, parts, contents, inputs }, prepared))
+        Ok((Self { lattices, size, window, direction, extrapolation, parts, contents, inputs }, prepared))
     }
 
     /// Splits into one set of maps per layer, for elements with mattes.
@@ -105,7 +107,19 @@ impl Maps {
         let alone = |layer: LatticeTrack| {
             let (name, inputs, contents) = (layer.name.clone(), inputs.clone(), contents.clone());
             let lattices = LatticeFile { frame_aspect, rate, layers: vec![layer] };
-            (name, Self { lattices, size, window, direction, reach: Reach::Layer, parts: None, contents, inputs })
+            (
+                name,
+                Self {
+                    lattices,
+                    size,
+                    window,
+                    direction,
+                    extrapolation: Extrapolation::Layer,
+                    parts: None,
+                    contents,
+                    inputs,
+                },
+            )
         };
         layers.into_iter().map(alone).collect()
     }
@@ -124,14 +138,17 @@ impl Maps {
 
     /// Returns a digest of everything that affects the map of a frame.
     pub(super) fn digest(&self, frame: i32) -> String {
-        let Self { lattices, size, window, direction, reach, parts, contents, inputs: _ } = self;
+        let Self { lattices, size, window, direction, extrapolation, parts, contents, inputs: _ } = self;
         let of_frame = |layer: &LatticeTrack| {
             let (own, whole) = (screen(layer).map(|track| track.get(&frame)), layer.wholes.get(&frame));
             let branches = layer.branches_at(frame).map(|branches| format!("{branches:?}")).unwrap_or_default();
             format!("{} {own:?} {whole:?}{branches}", layer.name)
         };
         let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
-        digest_with(&digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {reach:?} {parts:?}")), contents)
+        digest_with(
+            &digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {extrapolation:?} {parts:?}")),
+            contents,
+        )
     }
 
     /// Returns the metadata of a frame's file.
@@ -168,9 +185,9 @@ impl Maps {
                 return Some(Field::of_whole(whole));
             }
             let lattice = screen(layer)?.get(&frame)?.clone();
-            Some(match self.reach {
-                Reach::Picture => Field::of_picture(lattice),
-                Reach::Layer => Field::of_layer(lattice),
+            Some(match self.extrapolation {
+                Extrapolation::Picture => Field::of_picture(lattice),
+                Extrapolation::Layer => Field::of_layer(lattice),
             })
         };
         let field = Field::chain(self.lattices.layers.iter().filter_map(field).collect());
@@ -194,7 +211,10 @@ impl Maps {
             _ => None,
         };
         if covered.is_none() && layers.len() > 1 {
-            bail!("of several layers some branch, and nothing says what each moves; export one at a time (--layer)");
+            bail!(
+                "some layers have branching lattices, and a lattice file does not store which pixels each layer moves; \
+                 export one layer at a time (--layer)"
+            );
         }
         let mut parts = Vec::new();
         let place = (self.size, self.window);
@@ -228,8 +248,8 @@ impl Maps {
 
     /// Returns the visibility of the shot's unwarped picture, restricted to one layer if the maps are.
     pub(super) fn silhouette<'a>(&self, prepared: &'a PreparedShot) -> Silhouette<'a> {
-        let only = match (self.reach, &self.lattices.layers[..]) {
-            (Reach::Layer, [only]) => Some(only.name.as_str()),
+        let only = match (self.extrapolation, &self.lattices.layers[..]) {
+            (Extrapolation::Layer, [only]) => Some(only.name.as_str()),
             _ => None,
         };
         Silhouette::of(prepared, only)
@@ -237,7 +257,7 @@ impl Maps {
 
     /// Describes the folds of a frame's map; `None` if there are none.
     pub(super) fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
-        let pixels = counted(map.folded_pixels.len(), "pixel", "pixels");
+        let pixels = pluralised(map.folded_pixels.len(), "pixel", "pixels");
         let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
         let layers =
             if let [only] = &names[..] { format!("layer {only}") } else { format!("layers {}", names.join(", ")) };

@@ -15,6 +15,7 @@ use super::args::{ExportArgs, ExportFormat};
 use super::outcome::Outcome;
 use crate::image::Existing;
 use anyhow::bail;
+use clap::ValueEnum;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     refuse_idle_flags(args)?;
@@ -39,10 +40,11 @@ fn refuse_idle_flags(args: &ExportArgs) -> anyhow::Result<()> {
         ("--resume", Existing::from(args.existing).is_resume()),
     ];
     if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given && !has_maps) {
-        bail!("{flag} is for maps (--to stmap, nuke or after-effects), this export has none; leave it out");
+        let format = args.to.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+        bail!("{flag} is for maps (--to stmap, nuke or after-effects), but --to {format} writes no maps; leave it out");
     }
     if args.inverse && args.to == ExportFormat::AfterEffects {
-        bail!("displacement maps push one way only; --inverse is for --to stmap and nuke");
+        bail!("displacement maps cannot be inverted; --inverse is for --to stmap and nuke");
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use crate::cli::outcome::Outcome;
 use crate::cli::outputs;
 use crate::export::nuke::{NukeScene, script};
 use crate::image::replace_text;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
@@ -27,7 +27,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
         let text = "branches: its grid holds the largest branch only, the STMap all of them";
         writeln!(io::stderr(), "note: layer '{}' {text}", layer.name)?;
     }
-    let grids = counted(maps.lattices.layers.len(), "grid", "grids");
+    let grids = pluralised(maps.lattices.layers.len(), "grid", "grids");
     writeln!(io::stdout(), "wrote {}: an STMap and {grids} (GridWarp3, not verified in Nuke)", output.display())?;
     Ok(Outcome::Complete)
 }

@@ -6,7 +6,7 @@ use crate::cli::outcome::Outcome;
 use crate::image::{Compression, write_exr};
 use crate::pipeline::PreparedShot;
 use crate::plate::stmap_of;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -38,6 +38,6 @@ pub(super) fn write(
 
 pub(super) fn told(pattern: &Path, Written { new, kept }: &Written) -> io::Result<()> {
     let kept = if *kept == 0 { String::new() } else { format!(", {kept} kept") };
-    let new = counted(*new, "frame", "frames");
+    let new = pluralised(*new, "frame", "frames");
     writeln!(io::stdout(), "wrote {}: {new}{kept}", pattern.display())
 }

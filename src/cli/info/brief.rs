@@ -5,7 +5,7 @@
 use super::Lines;
 use crate::export::{LatticeFile, Track};
 use crate::shot::{CameraRule, LayerSpace, Shot, Source};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ impl ShotInfo {
             camera: match &shot.camera {
                 CameraRule::Automatic => "the scene's first".to_owned(),
                 CameraRule::Named(name) => name.clone(),
-                CameraRule::Own(camera) => format!("its own, {}", counted(camera.keys.len(), "key", "keys")),
+                CameraRule::Own(camera) => format!("its own, {}", pluralised(camera.keys.len(), "key", "keys")),
             },
             frames: [shot.frames.first, shot.frames.last],
             rate: shot.frames.rate,
@@ -79,8 +79,8 @@ impl Lines for ShotInfo {
             out.push(format!("camera: {}", self.camera));
         }
         for LayerInfo { name, space, dims: [x, y, z], pins, handles } in &self.layers {
-            let pins = counted(*pins, "pin", "pins");
-            let handles = counted(*handles, "moved handle", "moved handles");
+            let pins = pluralised(*pins, "pin", "pins");
+            let handles = pluralised(*handles, "moved handle", "moved handles");
             out.push(format!("layer {name}: {space} lattice of {x} x {y} x {z} handles, {pins}, {handles}"));
         }
         out.push(format!("output: {}", self.output.display()));
@@ -128,7 +128,7 @@ impl Lines for LatticeInfo {
             vec![format!("{}: frame aspect {:.4}, {} fps", self.file.display(), self.frame_aspect, self.rate)];
         for TrackInfo { name, space, frames, lattices } in &self.layers {
             let frames = frames.map(|[first, last]| format!(", frames {first} to {last}")).unwrap_or_default();
-            out.push(format!("layer {name}: {} of the {space}{frames}", counted(*lattices, "lattice", "lattices")));
+            out.push(format!("layer {name}: {} of the {space}{frames}", pluralised(*lattices, "lattice", "lattices")));
         }
         out
     }

@@ -6,7 +6,7 @@ use super::Lines;
 use crate::cli::shared_args::OutsideArg;
 use crate::pose::{ClipChoice, pose};
 use crate::scene::{self, Lens, LightKind, Node, Scene};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -207,16 +207,16 @@ impl Lines for SceneInfo {
         let mut out = vec![format!(
             "{}: {}, {}, {}, {}",
             self.file.display(),
-            counted(nodes, "node", "nodes"),
-            counted(meshes, "mesh", "meshes"),
-            counted(triangles, "triangle", "triangles"),
-            counted(vertices, "vertex", "vertices")
+            pluralised(nodes, "node", "nodes"),
+            pluralised(meshes, "mesh", "meshes"),
+            pluralised(triangles, "triangle", "triangles"),
+            pluralised(vertices, "vertex", "vertices")
         )];
         let more = [
-            (lines, counted(lines, "line", "lines")),
-            (morph_targets, counted(morph_targets, "morph target", "morph targets")),
-            (skins, counted(skins, "skin", "skins")),
-            (lights, counted(lights, "light", "lights")),
+            (lines, pluralised(lines, "line", "lines")),
+            (morph_targets, pluralised(morph_targets, "morph target", "morph targets")),
+            (skins, pluralised(skins, "skin", "skins")),
+            (lights, pluralised(lights, "light", "lights")),
         ];
         out.extend(more.into_iter().filter(|(count, _)| *count > 0).map(|(_, text)| format!("  {text}")));
         if let Some([low, high]) = self.bounds {
@@ -224,7 +224,7 @@ impl Lines for SceneInfo {
         }
         out.push(format!("clips: {}", self.clips.len()));
         let clip = |clip: &ClipInfo| {
-            format!("  {} ({:.2} s, {})", clip.name, clip.seconds, counted(clip.tracks, "track", "tracks"))
+            format!("  {} ({:.2} s, {})", clip.name, clip.seconds, pluralised(clip.tracks, "track", "tracks"))
         };
         out.extend(self.clips.iter().map(clip));
         out.push(format!("cameras: {}", self.cameras.len()));
@@ -260,19 +260,19 @@ impl NodeInfo {
         let indent = "  ".repeat(1 + self.depth.min(DEEPEST_INDENT));
         let mut about = Vec::new();
         if let Some(mesh) = &self.mesh {
-            about.push(counted(mesh.triangles, "triangle", "triangles"));
+            about.push(pluralised(mesh.triangles, "triangle", "triangles"));
             if mesh.lines > 0 {
-                about.push(counted(mesh.lines, "line", "lines"));
+                about.push(pluralised(mesh.lines, "line", "lines"));
             }
             if mesh.morph_targets > 0 {
-                about.push(counted(mesh.morph_targets, "morph target", "morph targets"));
+                about.push(pluralised(mesh.morph_targets, "morph target", "morph targets"));
             }
             about.push(format!("material {}", mesh.materials.join(", ")));
             about.extend(mesh.vertex_colors.then(|| "vertex colours".to_owned()));
             about.extend(mesh.texcoords.iter().map(|set| format!("TEXCOORD_{set}")));
         }
         if let Some(joints) = self.joints {
-            about.push(format!("skin of {}", counted(joints, "joint", "joints")));
+            about.push(format!("skin of {}", pluralised(joints, "joint", "joints")));
         }
         about.extend(self.is_joint.then(|| "joint".to_owned()));
         about.extend(self.camera.then(|| "camera".to_owned()));

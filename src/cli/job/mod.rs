@@ -13,13 +13,13 @@ use super::shared_args::OverwriteArg;
 use crate::image::{Inputs, SequencePath};
 use crate::pipeline::{PreparedShot, input_files};
 use crate::shot::{Shot, Source};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use anyhow::{Context, bail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Approximate number of tasks of a job with the default chunk size.
-const USUAL_TASKS: usize = 100;
+const TARGET_TASKS: usize = 100;
 /// Smallest default chunk in frames, so that loading the scene is a small part of a task.
 const LEAST_CHUNK: usize = 5;
 
@@ -49,7 +49,7 @@ pub(super) struct JobArgs {
     overwrite: OverwriteArg,
     /// Arguments passed to every `render` or `warp` of the job, e.g. -- --device cpu --preview.
     #[arg(last = true, value_name = "ARGUMENTS")]
-    more: Vec<String>,
+    extra_arguments: Vec<String>,
 }
 
 /// The supported schedulers.
@@ -74,7 +74,7 @@ struct Plan {
     /// `report SHOT`, or `report WARPED`.
     report: Vec<String>,
     /// Arguments common to all tasks.
-    more: Vec<String>,
+    extra_arguments: Vec<String>,
     /// In ascending order.
     frames: Vec<i32>,
     chunk: usize,
@@ -99,8 +99,8 @@ pub(super) fn run(args: &JobArgs) -> anyhow::Result<Outcome> {
     };
     outputs::allow_text(&plan.inputs, (&output, &text), args.overwrite)?;
     std::fs::write(&output, &text).with_context(|| format!("{} cannot be written", output.display()))?;
-    let tasks = counted(plan.frames.len().div_ceil(plan.chunk), "task", "tasks");
-    let frames = counted(plan.frames.len(), "frame", "frames");
+    let tasks = pluralised(plan.frames.len().div_ceil(plan.chunk), "task", "tasks");
+    let frames = pluralised(plan.frames.len(), "frame", "frames");
     let next = match args.to {
         Scheduler::Openjd => format!("openjd run {} --step Report --run-dependencies", output.display()),
         Scheduler::Slurm => format!("bash {}", output.display()),
@@ -144,11 +144,11 @@ impl Plan {
         frames.sort_unstable();
         SequencePath::parse(&frames_path)?.check_frame_count(frames.len())?;
         let chunk =
-            args.chunk.map_or_else(|| frames.len().div_ceil(USUAL_TASKS).max(LEAST_CHUNK), |chunk| chunk as usize);
+            args.chunk.map_or_else(|| frames.len().div_ceil(TARGET_TASKS).max(LEAST_CHUNK), |chunk| chunk as usize);
         let name = name_of(&shot_path);
         let folder = frames_path.parent().unwrap_or(Path::new("/")).to_owned();
         let template_folder = std::path::absolute(output)?.parent().unwrap_or(Path::new("/")).to_owned();
-        let (program, more) = (args.program.clone(), args.more.clone());
+        let (program, extra_arguments) = (args.program.clone(), args.extra_arguments.clone());
         Ok(Self {
             bake,
             name,
@@ -156,7 +156,7 @@ impl Plan {
             shot: shot_path,
             work,
             report,
-            more,
+            extra_arguments,
             frames,
             chunk,
             inputs,

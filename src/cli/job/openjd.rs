@@ -15,7 +15,7 @@ const LONGEST_NAME: usize = 64;
 
 /// Returns the template.
 pub(super) fn template(plan: &Plan) -> anyhow::Result<String> {
-    let words = [&plan.work, &plan.report, &plan.more].into_iter().flatten();
+    let words = [&plan.work, &plan.report, &plan.extra_arguments].into_iter().flatten();
     if let Some(word) = words.chain([&plan.program]).find(|word| word.contains("{{")) {
         bail!("'{word}': two braces begin a reference in a job template and cannot stand in a name; rename it");
     }
@@ -68,20 +68,20 @@ fn path(name: &str, path: &Path, plan: &Plan, kind: Value) -> Value {
 /// Runs once before all frames: layers that are solved over time are solved here, and errors in the shot are reported
 /// here instead of on every machine.
 fn prepare(plan: &Plan) -> Vec<String> {
-    let more = ["--openjd"].map(str::to_owned);
-    with_shot_as_parameter(plan, &plan.bake).into_iter().chain(more).collect()
+    let extra_arguments = ["--openjd"].map(str::to_owned);
+    with_shot_as_parameter(plan, &plan.bake).into_iter().chain(extra_arguments).collect()
 }
 
 /// Returns the arguments of the report, which reads every file completely.
 fn report(plan: &Plan) -> Vec<String> {
-    let more = ["--frames", "{{Param.Frames}}", "--verify"].map(str::to_owned);
-    with_shot_as_parameter(plan, &plan.report).into_iter().chain(more).collect()
+    let extra_arguments = ["--frames", "{{Param.Frames}}", "--verify"].map(str::to_owned);
+    with_shot_as_parameter(plan, &plan.report).into_iter().chain(extra_arguments).collect()
 }
 
 fn render(plan: &Plan) -> Value {
     let work = with_shot_as_parameter(plan, &plan.work).into_iter();
-    let more = ["--frames", "{{Task.Param.Frame}}", "--resume", "--openjd"].map(str::to_owned);
-    let arguments: Vec<String> = work.chain(more).chain(plan.more.iter().cloned()).collect();
+    let extra_arguments = ["--frames", "{{Task.Param.Frame}}", "--resume", "--openjd"].map(str::to_owned);
+    let arguments: Vec<String> = work.chain(extra_arguments).chain(plan.extra_arguments.iter().cloned()).collect();
     let mut step = step("Render", &["Prepare"], action(&arguments));
     step["parameterSpace"] = json!({
         "taskParameterDefinitions": [{

@@ -24,7 +24,8 @@ pub(super) fn script(plan: &Plan) -> anyhow::Result<String> {
     let words = |words: &[String]| words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     let (bake, all) = (words(&plan.bake), quoted(&list_of(&plan.frames)));
     let (name, program) = (quoted(&plan.name), quoted(&plan.program));
-    let (work, report, more, chunks) = (words(&plan.work), words(&plan.report), words(&plan.more), chunks.join("\n"));
+    let (work, report, extra_arguments, chunks) =
+        (words(&plan.work), words(&plan.report), words(&plan.extra_arguments), chunks.join("\n"));
     Ok(format!(
         r#"#!/bin/bash
 # Renders a shot on a Slurm cluster; written by {GENERATOR}. Run it on a machine that can submit jobs:
@@ -38,7 +39,7 @@ chunks=(
 case "${{1:-submit}}" in
   prepare) exec "${{program[@]}}" {bake} ;;
   render)
-    "${{program[@]}}" {work} --frames "${{chunks[$SLURM_ARRAY_TASK_ID]}}" --resume {more} && exit
+    "${{program[@]}}" {work} --frames "${{chunks[$SLURM_ARRAY_TASK_ID]}}" --resume {extra_arguments} && exit
     code=$?
     # Bad input (exit code 2) is not retried; a task that fails otherwise is requeued at most twice.
     if [ $code != 2 ] && [ "${{SLURM_RESTART_COUNT:-0}}" -lt 2 ]; then scontrol requeue "$SLURM_JOB_ID"; fi

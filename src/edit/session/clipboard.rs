@@ -5,7 +5,7 @@
 use super::Session;
 use crate::edit::track::{key_time, with_key};
 use crate::shot::{PinKey, Shot};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 impl Session {
     /// Copies the selected keys.
@@ -26,7 +26,7 @@ impl Session {
             })
             .collect();
         let count: usize = self.copied.iter().map(|(_, keys)| keys.len()).sum();
-        self.say(format!("Copied {}", counted(count, "key", "keys")));
+        self.say(format!("Copied {}", pluralised(count, "key", "keys")));
     }
 
     /// Pastes the copied keys into the selected pins, the first key at the current frame. Keys of several pins go to

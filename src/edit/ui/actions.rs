@@ -1,6 +1,6 @@
 //! Executes actions, triggered by keys or menus.
 
-use super::browser::Task;
+use super::browser::Purpose;
 use super::editor::Editor;
 use crate::edit::{Action, Session, Wipe};
 use eframe::egui;
@@ -9,9 +9,9 @@ impl Editor {
     /// Executes an action.
     pub(super) fn act(&mut self, ctx: &egui::Context, action: Action, now: f64) {
         match action {
-            Action::Open => self.browse(Task::Open),
-            Action::SaveAs if self.session.is_some() => self.browse(Task::SaveAs),
-            Action::Reference if self.session.is_some() => self.browse(Task::Reference),
+            Action::Open => self.browse(Purpose::Open),
+            Action::SaveAs if self.session.is_some() => self.browse(Purpose::SaveAs),
+            Action::Reference if self.session.is_some() => self.browse(Purpose::Reference),
             Action::Save => self.save(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Keys => self.shows_keys = !self.shows_keys,
@@ -29,7 +29,7 @@ impl Editor {
         let Some(session) = &mut self.session else { return };
         if let Err(error) = session.save() {
             session.say(format!("{error}; choose another place"));
-            self.browse(Task::SaveAs);
+            self.browse(Purpose::SaveAs);
         }
     }
 

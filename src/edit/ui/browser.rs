@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The purpose of the file choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Task {
+pub(super) enum Purpose {
     Open,
     SaveAs,
     Reference,
@@ -21,7 +21,7 @@ const KNOWN: [&str; 8] = ["toml", "glb", "gltf", "png", "jpg", "jpeg", "exr", "j
 
 /// A file browser window.
 pub(super) struct Browser {
-    pub(super) task: Task,
+    pub(super) purpose: Purpose,
     path: String,
     folder: PathBuf,
     entries: Vec<(String, bool)>,
@@ -37,15 +37,15 @@ pub(super) enum Choice {
 
 impl Browser {
     /// Opens the browser in the folder of a file.
-    pub(super) fn new(task: Task, near: &Path) -> Self {
+    pub(super) fn new(purpose: Purpose, near: &Path) -> Self {
         let folder = if near.is_dir() { near } else { near.parent().unwrap_or(Path::new("")) };
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-        let path = match task {
-            Task::SaveAs => folder.join(near.file_name().unwrap_or_default()),
-            Task::Open | Task::Reference => folder.clone(),
+        let path = match purpose {
+            Purpose::SaveAs => folder.join(near.file_name().unwrap_or_default()),
+            Purpose::Open | Purpose::Reference => folder.clone(),
         };
-        let mut browser = Self { task, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
+        let mut browser = Self { purpose, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
         browser.list();
         browser
     }
@@ -67,10 +67,10 @@ impl Browser {
     }
 
     pub(super) fn show(&mut self, ctx: &egui::Context) -> Choice {
-        let title = match self.task {
-            Task::Open => "Open",
-            Task::SaveAs => "Save as",
-            Task::Reference => "Reference picture",
+        let title = match self.purpose {
+            Purpose::Open => "Open",
+            Purpose::SaveAs => "Save as",
+            Purpose::Reference => "Reference picture",
         };
         let mut choice = Choice::None;
         let window = egui::Window::new(title).collapsible(false).resizable(true).default_size(vec2(560.0, 420.0));
@@ -101,7 +101,7 @@ impl Browser {
                     let path = self.folder.join(name);
                     if response.clicked() && *is_folder {
                         entered = Some(path);
-                    } else if response.double_clicked() && self.task != Task::SaveAs {
+                    } else if response.double_clicked() && self.purpose != Purpose::SaveAs {
                         choice = Choice::File(path);
                     } else if response.clicked() {
                         self.path = path.to_string_lossy().into_owned();
@@ -116,7 +116,7 @@ impl Browser {
     }
 
     fn enter(&mut self, folder: PathBuf) {
-        let name = Path::new(&self.path).file_name().map(ToOwned::to_owned).filter(|_| self.task == Task::SaveAs);
+        let name = Path::new(&self.path).file_name().map(ToOwned::to_owned).filter(|_| self.purpose == Purpose::SaveAs);
         self.path = folder.join(name.unwrap_or_default()).to_string_lossy().into_owned();
         self.folder = folder;
         self.list();

@@ -1,9 +1,9 @@
 //! The editor: the open document, the open windows, and the layout of one pass.
 
-use super::browser::{Browser, Choice, Task};
+use super::browser::{Browser, Choice, Purpose};
 use super::dialogs::Answer;
 use super::options::EditorOptions;
-use super::start::Wish;
+use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, inspector, keys, layers, menus, nudges, start, theme, viewport};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// The operation deferred until the user has decided about unsaved work.
 #[derive(Clone, Debug, PartialEq)]
-enum Then {
+enum Deferred {
     Open(PathBuf),
     Quit,
 }
@@ -31,7 +31,7 @@ pub struct Editor {
     pub(super) shows_keys: bool,
     pub(super) shows_render: bool,
     conflict: Option<String>,
-    unsaved: Option<Then>,
+    unsaved: Option<Deferred>,
     may_close: bool,
 }
 
@@ -99,7 +99,7 @@ impl Editor {
 
     fn try_open(&mut self, ctx: &egui::Context, path: &Path) {
         if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
-            self.unsaved = Some(Then::Open(path.to_owned()));
+            self.unsaved = Some(Deferred::Open(path.to_owned()));
         } else if let Err(error) = self.open(ctx, path) {
             self.tell(&error);
         }
@@ -136,7 +136,7 @@ impl Editor {
         match &mut self.session {
             None => {
                 let shown = CentralPanel::no_frame().show(ui, |ui| start::show(ui, &self.left, self.fault.as_deref()));
-                self.wish(&ctx, shown.inner);
+                self.start(&ctx, shown.inner);
             }
             Some(session) => {
                 Panel::bottom("hint").exact_size(26.0).show(ui, |ui| menus::hint(ui, session));
@@ -184,18 +184,18 @@ impl Editor {
         }
     }
 
-    fn wish(&mut self, ctx: &egui::Context, wish: Option<Wish>) {
-        let Some(wish) = wish else { return };
-        let done = match wish {
-            Wish::Open => {
-                self.browse(Task::Open);
+    fn start(&mut self, ctx: &egui::Context, action: Option<StartAction>) {
+        let Some(action) = action else { return };
+        let done = match action {
+            StartAction::Open => {
+                self.browse(Purpose::Open);
                 Ok(())
             }
-            Wish::Bundled(index) => {
+            StartAction::Bundled(index) => {
                 let shot = bundled::BUNDLED[index].unpack(&self.options.folder.join("scenes"));
                 shot.and_then(|shot| self.open(ctx, &shot))
             }
-            Wish::Recover(index) => {
+            StartAction::Recover(index) => {
                 let left = self.left.remove(index);
                 let journal = left.journal.clone();
                 Document::recovered(left).map(|document| {
@@ -203,7 +203,7 @@ impl Editor {
                     let _ = std::fs::remove_file(journal);
                 })
             }
-            Wish::Forget(index) => {
+            StartAction::Forget(index) => {
                 let _ = std::fs::remove_file(self.left.remove(index).journal);
                 Ok(())
             }
@@ -213,10 +213,10 @@ impl Editor {
         }
     }
 
-    pub(super) fn browse(&mut self, task: Task) {
+    pub(super) fn browse(&mut self, purpose: Purpose) {
         let near =
             self.session.as_ref().map_or_else(|| PathBuf::from("."), |session| session.document().path().to_owned());
-        self.browser = Some(Browser::new(task, &near));
+        self.browser = Some(Browser::new(purpose, &near));
     }
 
     /// Handles files dropped on the window.
@@ -254,13 +254,13 @@ impl Editor {
             }
         }
         if let Some(browser) = &mut self.browser {
-            let (task, choice) = (browser.task, browser.show(ctx));
+            let (purpose, choice) = (browser.purpose, browser.show(ctx));
             match choice {
                 Choice::None => {}
                 Choice::Cancelled => self.browser = None,
                 Choice::File(path) => {
                     self.browser = None;
-                    self.chosen(ctx, task, &path);
+                    self.chosen(ctx, purpose, &path);
                 }
             }
         }
@@ -268,15 +268,15 @@ impl Editor {
         self.ask_unsaved(ctx);
     }
 
-    fn chosen(&mut self, ctx: &egui::Context, task: Task, path: &Path) {
-        match (task, &mut self.session) {
-            (Task::Open, _) => self.try_open(ctx, path),
-            (Task::SaveAs, Some(session)) => {
+    fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: &Path) {
+        match (purpose, &mut self.session) {
+            (Purpose::Open, _) => self.try_open(ctx, path),
+            (Purpose::SaveAs, Some(session)) => {
                 if let Err(error) = session.save_as(path) {
                     self.tell(&error);
                 }
             }
-            (Task::Reference, Some(session)) => match Reference::open(path, session.playhead.frame()) {
+            (Purpose::Reference, Some(session)) => match Reference::open(path, session.playhead.frame()) {
                 Ok(reference) => session.reference = Some(reference),
                 Err(error) => session.say(error.to_string()),
             },
@@ -301,7 +301,7 @@ impl Editor {
     }
 
     fn ask_unsaved(&mut self, ctx: &egui::Context) {
-        let Some(then) = self.unsaved.clone() else { return };
+        let Some(deferred) = self.unsaved.clone() else { return };
         let asked = dialogs::ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
         let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
         self.unsaved = None;
@@ -314,13 +314,13 @@ impl Editor {
         if answer == Answer::Cancel {
             return;
         }
-        match then {
-            Then::Open(path) => {
+        match deferred {
+            Deferred::Open(path) => {
                 if let Err(error) = self.open(ctx, &path) {
                     self.tell(&error);
                 }
             }
-            Then::Quit => {
+            Deferred::Quit => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
@@ -333,7 +333,7 @@ impl Editor {
         let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
         if is_wanted && is_dirty && !self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.unsaved = Some(Then::Quit);
+            self.unsaved = Some(Deferred::Quit);
         }
     }
 }

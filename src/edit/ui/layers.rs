@@ -98,7 +98,7 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
                 *click = Some(Click::Pin([index, pin], adds));
             }
             if own.keys.len() > 1 {
-                ui.weak(crate::spelling::counted(own.keys.len(), "key", "keys"));
+                ui.weak(crate::spelling::pluralised(own.keys.len(), "key", "keys"));
             }
         });
     }

@@ -6,15 +6,15 @@ use crate::edit::Unfinished;
 use eframe::egui::{self, Align2, FontId, RichText, Ui, vec2};
 
 /// The clicked entry.
-pub(super) enum Wish {
+pub(super) enum StartAction {
     Open,
     Bundled(usize),
     Recover(usize),
     Forget(usize),
 }
 
-pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Option<Wish> {
-    let mut wish = None;
+pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Option<StartAction> {
+    let mut action = None;
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0, ui.visuals().panel_fill);
     let width = 620.0_f32.min(rect.width() - 40.0);
@@ -26,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
             ui.add_space(18.0);
             let open = egui::Button::new(RichText::new("Open\u{2026}").size(17.0)).min_size(vec2(180.0, 38.0));
             if ui.add(open).clicked() {
-                wish = Some(Wish::Open);
+                action = Some(StartAction::Open);
             }
             ui.add_space(4.0);
             ui.weak("or drop a scene (.glb, .gltf), a picture or a shot (.toml) on this window");
@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
             }
             if !left.is_empty() {
                 ui.add_space(16.0);
-                recover(ui, left, &mut wish);
+                recover(ui, left, &mut action);
             }
             ui.add_space(18.0);
             ui.label(RichText::new("Or begin with one of these").strong());
@@ -47,14 +47,14 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
                     ui.add_space(((ui.available_width() - line) / 2.0).max(0.0));
                     let cards: Vec<_> = scenes.iter().map(|scene| card(ui, scene.title, scene.words)).collect();
                     let clicked = cards.iter().position(egui::Response::clicked);
-                    wish = clicked.map(|place| Wish::Bundled(3 * row + place)).or(wish.take());
+                    action = clicked.map(|place| StartAction::Bundled(3 * row + place)).or(action.take());
                 });
             }
             ui.add_space(14.0);
             ui.weak("Two minutes: open the walking gnome, drag the hand, press play.");
         });
     });
-    wish
+    action
 }
 
 fn card(ui: &mut Ui, title: &str, words: &str) -> egui::Response {
@@ -78,18 +78,18 @@ fn card(ui: &mut Ui, title: &str, words: &str) -> egui::Response {
     response
 }
 
-fn recover(ui: &mut Ui, left: &[Unfinished], wish: &mut Option<Wish>) {
+fn recover(ui: &mut Ui, left: &[Unfinished], action: &mut Option<StartAction>) {
     egui::Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
         ui.label(RichText::new("The editor ended before these were saved").strong());
         for (index, one) in left.iter().enumerate() {
             ui.horizontal(|ui| {
                 ui.label(one.path.display().to_string());
-                ui.weak(crate::spelling::counted(one.history.labels().count(), "change", "changes"));
+                ui.weak(crate::spelling::pluralised(one.history.labels().count(), "change", "changes"));
                 if ui.button("Recover").clicked() {
-                    *wish = Some(Wish::Recover(index));
+                    *action = Some(StartAction::Recover(index));
                 }
                 if ui.button("Forget").clicked() {
-                    *wish = Some(Wish::Forget(index));
+                    *action = Some(StartAction::Forget(index));
                 }
             });
         }

@@ -1,7 +1,7 @@
 //! The window's handle to the worker thread.
 
-use super::mail::{Inbox, Job, Mail, Question, Reply, Teller};
-use super::studio::Studio;
+use super::frame_worker::FrameWorker;
+use super::mail::{Inbox, Job, Question, Queue, Reply, Teller};
 use crate::raster::DeviceChoice;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
@@ -21,7 +21,7 @@ impl Worker {
     pub(in crate::edit) fn start(device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (inbox, (reply, replies)) = (Arc::new(Inbox::default()), channel());
         let own = Arc::clone(&inbox);
-        let work = move || Studio::new(device).run(&own, &Teller { reply, wake: Box::new(wake) });
+        let work = move || FrameWorker::new(device).run(&own, &Teller { reply, wake: Box::new(wake) });
         let thread = std::thread::Builder::new().name("edit: frames".into()).spawn(work);
         if let Err(error) = &thread {
             tracing::error!("no thread can be started: {error}");
@@ -31,17 +31,17 @@ impl Worker {
 
     /// Requests a frame, replacing any earlier request.
     pub(in crate::edit) fn want(&self, job: Job) {
-        self.interrupt(|mail| mail.job = Some(job));
+        self.interrupt(|queue| queue.job = Some(job));
     }
 
     /// Asks a question, which interrupts drawing until it is answered.
     pub(in crate::edit) fn ask(&self, question: Question) {
-        self.interrupt(|mail| mail.questions.push_back(question));
+        self.interrupt(|queue| queue.questions.push_back(question));
     }
 
     /// Makes the next job read the shot's files again.
     pub(in crate::edit) fn forget(&self) {
-        self.interrupt(|mail| mail.is_stale = true);
+        self.interrupt(|queue| queue.is_stale = true);
     }
 
     /// Returns the replies since the last call.
@@ -55,10 +55,10 @@ impl Worker {
         self.replies.recv_timeout(longest).ok()
     }
 
-    /// Modifies the mail, and interrupts work in progress.
-    fn interrupt(&self, change: impl FnOnce(&mut Mail)) {
-        let mut mail = self.inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
-        change(&mut mail);
+    /// Modifies the queue, and interrupts work in progress.
+    fn interrupt(&self, change: impl FnOnce(&mut Queue)) {
+        let mut queue = self.inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
+        change(&mut queue);
         self.inbox.newest.fetch_add(1, Ordering::Release);
         self.inbox.changed.notify_one();
     }
@@ -66,7 +66,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.interrupt(|mail| mail.is_over = true);
+        self.interrupt(|queue| queue.is_over = true);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }

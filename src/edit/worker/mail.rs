@@ -106,14 +106,15 @@ pub struct SolvedFrame {
 /// The worker thread's inbox.
 #[derive(Debug, Default)]
 pub(super) struct Inbox {
-    pub(super) state: Mutex<Mail>,
+    pub(super) state: Mutex<Queue>,
     pub(super) changed: Condvar,
     /// Incremented by every message: work begun before is cancelled or suspended.
     pub(super) newest: AtomicU64,
 }
 
+/// The pending work.
 #[derive(Debug, Default)]
-pub(super) struct Mail {
+pub(super) struct Queue {
     pub(super) job: Option<Job>,
     pub(super) questions: VecDeque<Question>,
     /// Whether the shot's files changed.

@@ -6,9 +6,9 @@
 mod draft_size;
 mod drag_solve;
 mod file_watch;
+mod frame_worker;
 mod handle;
 mod mail;
-mod studio;
 
 pub(in crate::edit) use handle::Worker;
 pub(in crate::edit) use mail::{Job, Purpose, Question, Reply};

@@ -26,7 +26,7 @@ pub struct BlenderScene {
     /// First and last frame of the shot.
     pub frames: [i32; 2],
     /// Number of frames by which frame numbers in the file exceed those of the shot.
-    pub later: i32,
+    pub frame_offset: i32,
     /// Size of the frame in pixels.
     pub size: FrameSize,
     /// Node and lens of the camera.
@@ -50,12 +50,12 @@ pub struct BlenderLayer {
     /// Name of the layer.
     pub name: String,
     /// How it is exported.
-    pub way: BlenderWay,
+    pub method: BlenderMethod,
 }
 
 /// How a layer is exported.
 #[derive(Clone, Debug)]
-pub enum BlenderWay {
+pub enum BlenderMethod {
     /// As a lattice object.
     Lattice(LatticeObject),
     /// As shape keys of its vertices; contains the reason.
@@ -115,15 +115,15 @@ pub fn number_nodes(packed: &mut Packed, scene: &Scene) {
 /// Returns the text of the script.
 #[must_use]
 pub fn script(scene: &BlenderScene) -> String {
-    let told = scene.layers.iter().map(|layer| match &layer.way {
-        BlenderWay::Lattice(lattice) => {
+    let told = scene.layers.iter().map(|layer| match &layer.method {
+        BlenderMethod::Lattice(lattice) => {
             let [x, y, z] = lattice.dims;
             format!(
                 "  {}: a lattice object, {x} x {y} x {z} points; vertices as pinwarp's, but for single precision\n",
                 layer.name
             )
         }
-        BlenderWay::Baked(why) => {
+        BlenderMethod::Baked(why) => {
             format!("  {}: NO lattice but baked shape keys of its vertices, because {why}\n", layer.name)
         }
     });
@@ -146,8 +146,8 @@ fn data(scene: &BlenderScene) -> Value {
         "scene": scene.scene_file,
         "rate": scene.rate,
         "nominal": nominal_rate(scene.rate) as u32,
-        "first": scene.frames[0] + scene.later,
-        "last": scene.frames[1] + scene.later,
+        "first": scene.frames[0] + scene.frame_offset,
+        "last": scene.frames[1] + scene.frame_offset,
         "size": [scene.size.width, scene.size.height],
         "pixel_aspect": scene.size.pixel_aspect,
         "camera": match scene.camera.0 {
@@ -156,19 +156,19 @@ fn data(scene: &BlenderScene) -> Value {
         },
         "yfov": yfov,
         "ymag": ymag,
-        "layers": scene.layers.iter().map(|layer| layer_data(layer, scene.later)).collect::<Vec<_>>(),
+        "layers": scene.layers.iter().map(|layer| layer_data(layer, scene.frame_offset)).collect::<Vec<_>>(),
     })
 }
 
-fn layer_data(layer: &BlenderLayer, later: i32) -> Value {
-    let lattice = match &layer.way {
-        BlenderWay::Baked(why) => return json!({ "name": layer.name, "baked": why }),
-        BlenderWay::Lattice(lattice) => lattice,
+fn layer_data(layer: &BlenderLayer, frame_offset: i32) -> Value {
+    let lattice = match &layer.method {
+        BlenderMethod::Baked(why) => return json!({ "name": layer.name, "baked": why }),
+        BlenderMethod::Lattice(lattice) => lattice,
     };
     let frames = lattice.frames.iter().map(|pose| {
         let rows = pose.scene_from_lattice.transpose().to_cols_array();
         let moved = pose.moved.as_flattened();
-        json!({ "frame": pose.frame + later, "shot_frame": pose.frame, "scene_from_lattice": rows, "moved": moved })
+        json!({ "frame": pose.frame + frame_offset, "shot_frame": pose.frame, "scene_from_lattice": rows, "moved": moved })
     });
     json!({
         "name": layer.name,

@@ -9,7 +9,7 @@ use glam::{Vec3, Vec4};
 use serde_json::{Map, Value, json};
 
 /// Normals and tangents that change by less than this in all frames get no target.
-const STILL: f32 = 1e-6;
+const MIN_CHANGE: f32 = 1e-6;
 
 /// Gives a node its own mesh with one target per frame, and removes its skin, whose effect is included in the targets.
 pub(super) fn write(packed: &mut Packed, baked: &BakedScene<'_>, node: &BakedNode) {
@@ -109,7 +109,7 @@ impl Editor<'_> {
     }
 
     fn any_moves(&self, by: impl Fn(&BakedShape) -> Vec<Vec3>) -> bool {
-        self.part.shapes.iter().any(|shape| by(shape).iter().any(|by| by.abs().max_element() > STILL))
+        self.part.shapes.iter().any(|shape| by(shape).iter().any(|by| by.abs().max_element() > MIN_CHANGE))
     }
 }
 

@@ -110,7 +110,7 @@ impl Manifest {
         if self.is_empty() && !pattern.contains(['*', '?']) {
             return vec![MatteId::of_name(pattern)];
         }
-        self.iter().filter(|(name, _)| spelling::fits(pattern, name)).map(|(_, id)| id).collect()
+        self.iter().filter(|(name, _)| spelling::matches_pattern(pattern, name)).map(|(_, id)| id).collect()
     }
 }
 

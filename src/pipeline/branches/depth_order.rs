@@ -2,7 +2,7 @@
 //!
 //! In: the lattice and the order of each label, and what every pixel shows before the warp. Out: labels from back to front.
 
-use super::drawn_pieces::{Front, NOTHING};
+use super::drawn_pieces::{FrontSurface, NO_LABEL};
 use crate::lattice::ScreenLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect};
 use std::collections::HashMap;
@@ -22,7 +22,7 @@ const SAME: f64 = 1e-5;
 /// land come later; of labels that never meet, the one with the smaller index is behind.
 pub(super) fn from_back_to_front(
     (lattices, orders): (&[ScreenLattice], &[i32]),
-    (front, window, frame): (&[Front], PixelRect, FrameSize),
+    (front, window, frame): (&[FrontSurface], PixelRect, FrameSize),
 ) -> Vec<usize> {
     let wins = wins(lattices, (front, window, frame));
     let mut left: Vec<usize> = (0..lattices.len()).collect();
@@ -43,16 +43,16 @@ pub(super) fn from_back_to_front(
 /// second, minus the number in which it is behind.
 fn wins(
     lattices: &[ScreenLattice],
-    (front, window, frame): (&[Front], PixelRect, FrameSize),
+    (front, window, frame): (&[FrontSurface], PixelRect, FrameSize),
 ) -> HashMap<[usize; 2], i64> {
     let step = (front.len() as f64 / FOLLOWED).sqrt().ceil().max(1.0) as usize;
     let width = window.width as usize;
     let cell = 2.0 * step as f64;
-    let mut cells: HashMap<[i32; 2], Vec<(Front, [i32; 2])>> = HashMap::new();
+    let mut cells: HashMap<[i32; 2], Vec<(FrontSurface, [i32; 2])>> = HashMap::new();
     let rows = (0..front.len() / width.max(1)).step_by(step);
     for place in rows.flat_map(|row| (0..width).step_by(step).map(move |column| row * width + column)) {
         let seen = front[place];
-        if seen.label == NOTHING {
+        if seen.label == NO_LABEL {
             continue;
         }
         let [x, y] = window.pixel_at(place);
@@ -98,8 +98,8 @@ mod tests {
         let lattices = [grid.at_rest(), moved];
         let order = |nearness: [f64; 2], orders: [i32; 2]| {
             let label = |place: usize| usize::from(place % 64 >= 32);
-            let front = |place: usize| Front { label: label(place) as u32, nearness: nearness[label(place)] };
-            let front: Vec<Front> = (0..64 * 64).map(front).collect();
+            let front = |place: usize| FrontSurface { label: label(place) as u32, nearness: nearness[label(place)] };
+            let front: Vec<FrontSurface> = (0..64 * 64).map(front).collect();
             from_back_to_front((&lattices, &orders), (&front, frame.window(), frame))
         };
         let level = [0, 0];

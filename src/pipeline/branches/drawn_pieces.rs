@@ -3,18 +3,18 @@
 //! In: [`LabelledPiece`]s and a time. Out: a label and a nearness per pixel. Transparent surfaces count as opaque.
 
 use super::super::{PreparedShot, TimeSample};
-use super::labels::{LabelledPiece, mixed};
+use super::labels::{LabelledPiece, interpolated};
 use crate::screen::{primitive, project};
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
 use glam::Vec2;
 
 /// Label of pixels that show no piece.
-pub(super) const NOTHING: u32 = u32::MAX;
+pub(super) const NO_LABEL: u32 = u32::MAX;
 
 /// The front-most surface at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Front {
-    /// [`NOTHING`], or an index into the list of labels.
+pub(super) struct FrontSurface {
+    /// [`NO_LABEL`], or an index into the list of labels.
     pub(super) label: u32,
     /// Larger is nearer; linear on the screen.
     pub(super) nearness: f64,
@@ -50,7 +50,7 @@ impl DrawnPieces<'_> {
         let polygon = |piece: &LabelledPiece| {
             let vertices = &mesh.parts[piece.part].vertices;
             let ends = piece.corners.map(|corner| vertices[corner as usize]);
-            let places: Vec<_> = piece.outline.iter().map(|&weights| mixed(&ends, weights)).collect();
+            let places: Vec<_> = piece.outline.iter().map(|&weights| interpolated(&ends, weights)).collect();
             let is_seen =
                 places.iter().all(|place| place.w > 0.0 && place.depth >= near * 0.999 && place.h.is_finite());
             if !is_seen {
@@ -113,8 +113,8 @@ impl PlacedPieces {
     }
 
     /// Returns what the centre of every pixel of a window shows, with the picture shifted by `shift` pixels, x right, y down.
-    pub(super) fn front(&self, window: PixelRect, shift: Vec2) -> Vec<Front> {
-        let mut seen = vec![Front { label: NOTHING, nearness: f64::NEG_INFINITY }; window.area()];
+    pub(super) fn front(&self, window: PixelRect, shift: Vec2) -> Vec<FrontSurface> {
+        let mut seen = vec![FrontSurface { label: NO_LABEL, nearness: f64::NEG_INFINITY }; window.area()];
         let origin = [f64::from(window.x) + 0.5 - f64::from(shift.x), f64::from(window.y) + 0.5 - f64::from(shift.y)];
         let (width, height) = (window.width as usize, window.height as usize);
         for Polygon { label, corners } in &self.polygons {
@@ -127,7 +127,7 @@ impl PlacedPieces {
                     let nearness = plane[0] + plane[1] * column as f64 + plane[2] * y;
                     let seen = &mut seen[row * width + column];
                     if nearness > seen.nearness {
-                        *seen = Front { label: *label, nearness };
+                        *seen = FrontSurface { label: *label, nearness };
                     }
                 }
             }

@@ -3,7 +3,7 @@
 //! In: a solved [`TimeSample`] and its neighbours. Out: [`LabelledPieces`].
 
 use super::super::part_order::{OrderedPart, OrderedParts};
-use super::super::part_starts::PartStarts;
+use super::super::part_triangle_ranges::PartTriangleRanges;
 use super::super::{PreparedShot, TimeSample};
 use crate::screen::{Projected, ScreenMesh, clip_near, primitive};
 use crate::solve::BranchedLattice;
@@ -92,10 +92,14 @@ impl LabelledPieces {
 }
 
 /// Returns the clipped triangles that make up a layer's shape, by their index in the shape.
-fn cut_triangles(prepared: &PreparedShot, now: &TimeSample, starts: &[PartStarts]) -> BTreeMap<usize, CutTriangle> {
+fn cut_triangles(
+    prepared: &PreparedShot,
+    now: &TimeSample,
+    starts: &[PartTriangleRanges],
+) -> BTreeMap<usize, CutTriangle> {
     let (mesh, near) = (now.mesh(), now.camera.near());
     let mut all = BTreeMap::new();
-    for PartStarts { part, starts } in starts {
+    for PartTriangleRanges { part, starts } in starts {
         let source = primitive(&prepared.scene, &now.pose.parts[*part]);
         let vertices = &mesh.parts[*part].vertices;
         for (number, (&corners, run)) in source.triangles.iter().zip(starts.windows(2)).enumerate() {
@@ -106,7 +110,7 @@ fn cut_triangles(prepared: &PreparedShot, now: &TimeSample, starts: &[PartStarts
             let (cut, count) = clip_near(ends, near);
             for (index, cut) in (run[0]..run[1]).zip(&cut[..count]) {
                 let weights = cut.map(|corner| corner.barycentric());
-                let places = weights.map(|weights| mixed(&ends, weights));
+                let places = weights.map(|weights| interpolated(&ends, weights));
                 let triangle = CutTriangle {
                     part: *part,
                     number,
@@ -123,7 +127,7 @@ fn cut_triangles(prepared: &PreparedShot, now: &TimeSample, starts: &[PartStarts
 }
 
 /// Interpolates the projected corners of a triangle with barycentric weights, in homogeneous coordinates.
-pub(super) fn mixed(ends: &[Projected; 3], weights: [f64; 3]) -> Projected {
+pub(super) fn interpolated(ends: &[Projected; 3], weights: [f64; 3]) -> Projected {
     let sum = |of: fn(&Projected) -> f64| (0..3).map(|k| weights[k] * of(&ends[k])).sum::<f64>();
     Projected { h: (0..3).map(|k| ends[k].h * weights[k]).sum(), w: sum(|end| end.w), depth: sum(|end| end.depth) }
 }
@@ -152,7 +156,7 @@ impl CutTriangle {
 /// The branches of a neighbouring frame.
 struct Other<'a> {
     branches: &'a BranchedLattice<2>,
-    starts: &'a [PartStarts],
+    starts: &'a [PartTriangleRanges],
     mesh: std::borrow::Cow<'a, ScreenMesh>,
 }
 
@@ -170,7 +174,7 @@ impl<'a> Other<'a> {
         let [start, end] =
             [triangle.number, triangle.number + 1].map(|k| starts.get(k).map_or(0, |&start| start as usize));
         let vertices = &self.mesh.parts[triangle.part].vertices;
-        let place = mixed(&triangle.corners.map(|corner| vertices[corner as usize]), weights);
+        let place = interpolated(&triangle.corners.map(|corner| vertices[corner as usize]), weights);
         (start < end && place.w > 0.0).then(|| self.branches.branch_within(start..end, place.point().0.to_array()))
     }
 }

@@ -50,7 +50,7 @@ pub(crate) enum Exposure {
 }
 
 /// The labels of a layer as seen in one picture.
-struct Seen {
+struct VisibleLabels {
     labels: Vec<Label>,
     /// One per label.
     lattices: Vec<ScreenLattice>,
@@ -73,7 +73,8 @@ impl PreparedShot {
         (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
         picture: (FrameSize, Exposure),
     ) -> Option<Vec<BranchPart>> {
-        let Seen { labels, lattices, order, mut shares, covered } = self.seen(layer, (now, around), picture)?;
+        let VisibleLabels { labels, lattices, order, mut shares, covered } =
+            self.visible_labels(layer, (now, around), picture)?;
         let covered = Arc::new(covered);
         let around =
             around.map(|samples| samples.map(|sample| sample.layers[layer].solution.as_ref().map(lattices_of)));
@@ -94,7 +95,7 @@ impl PreparedShot {
     /// Returns the branches of a layer as stored in a lattice file; `None` if its lattice does not branch.
     pub(super) fn file_branches(&self, layer: usize, now: &TimeSample) -> Option<LatticeBranches> {
         let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
-        let seen = self.seen(layer, (now, None), (self.shot.size, Exposure::Instant));
+        let seen = self.visible_labels(layer, (now, None), (self.shot.size, Exposure::Instant));
         let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
         let OrderedParts { list, of_pieces } = OrderedParts::of(self, layer, (now, branches));
         // Without any visible part, the largest branch is the rearmost.
@@ -113,12 +114,12 @@ impl PreparedShot {
         Some(LatticeBranches::of(order.into_iter().map(branch).collect()))
     }
 
-    fn seen(
+    fn visible_labels(
         &self,
         layer: usize,
         (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
         (size, exposure): (FrameSize, Exposure),
-    ) -> Option<Seen> {
+    ) -> Option<VisibleLabels> {
         let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
         let LabelledPieces { labels, pieces } = LabelledPieces::of(self, layer, (now, branches), around);
         let (begin, plan) = self.passes_of(now, exposure);
@@ -136,7 +137,7 @@ impl PreparedShot {
         let lattices: Vec<ScreenLattice> = labels.iter().map(|label| of_branches[label.now.branch].clone()).collect();
         let orders: Vec<i32> = labels.iter().map(|label| label.now.order).collect();
         let (order, shares, covered) = drawn((&placed, &planned), (&lattices, &orders), size)?;
-        Some(Seen { labels, lattices, order, shares, covered })
+        Some(VisibleLabels { labels, lattices, order, shares, covered })
     }
 
     /// Returns the time from which the passes of a picture are counted, and the passes.

@@ -2,7 +2,7 @@
 //!
 //! In: the labels that the passes of a picture show. Out: [`Coverage`]s that sum to 1 everywhere.
 
-use super::drawn_pieces::NOTHING;
+use super::drawn_pieces::NO_LABEL;
 use crate::plate::Coverage;
 use crate::space::{FrameSize, PixelRect};
 
@@ -20,7 +20,7 @@ pub(super) struct Shares<'a> {
 
 impl<'a> Shares<'a> {
     pub(super) fn of(seen: &'a [Vec<u32>], (window, frame): (PixelRect, FrameSize), labels: usize) -> Self {
-        let mut main = vec![NOTHING; frame.window().area()];
+        let mut main = vec![NO_LABEL; frame.window().area()];
         let mut bounds = vec![None; labels];
         let width = frame.width as usize;
         for place in 0..window.area() {
@@ -28,12 +28,12 @@ impl<'a> Shares<'a> {
             if let Some(label) = most(seen, place) {
                 main[y as usize * width + x as usize] = label;
             }
-            for label in seen.iter().map(|labels| labels[place]).filter(|&label| label != NOTHING) {
+            for label in seen.iter().map(|labels| labels[place]).filter(|&label| label != NO_LABEL) {
                 extend(&mut bounds[label as usize], [x as u32, y as u32]);
             }
         }
         spread(&mut main, width);
-        for (place, &label) in main.iter().enumerate().filter(|(_, label)| **label != NOTHING) {
+        for (place, &label) in main.iter().enumerate().filter(|(_, label)| **label != NO_LABEL) {
             extend(&mut bounds[label as usize], [(place % width) as u32, (place / width) as u32]);
         }
         Self { seen, window, frame, main, bounds }
@@ -50,13 +50,13 @@ impl<'a> Shares<'a> {
     /// Returns the coverage of all labels together.
     pub(super) fn covered(&self) -> Coverage {
         let count = self.seen.len().max(1) as f32;
-        let shown = |place: usize| self.seen.iter().filter(|labels| labels[place] != NOTHING).count() as f32 / count;
+        let shown = |place: usize| self.seen.iter().filter(|labels| labels[place] != NO_LABEL).count() as f32 / count;
         Coverage { frame: self.frame, window: self.window, samples: (0..self.window.area()).map(shown).collect() }
     }
 
     fn share(&self, pixel: [i32; 2], label: u32) -> f32 {
-        let covered = self.window.place_of(pixel).map(|place| {
-            let shown = self.seen.iter().map(|labels| labels[place]).filter(|&shown| shown != NOTHING);
+        let covered = self.window.sample_index(pixel).map(|place| {
+            let shown = self.seen.iter().map(|labels| labels[place]).filter(|&shown| shown != NO_LABEL);
             shown.fold([0_u32; 2], |[own, all], shown| [own + u32::from(shown == label), all + 1])
         });
         match covered {
@@ -72,7 +72,7 @@ impl<'a> Shares<'a> {
 /// Returns the label shown by most passes at a pixel; the first of several equal ones.
 fn most(seen: &[Vec<u32>], place: usize) -> Option<u32> {
     let mut counts: Vec<(u32, u32)> = Vec::new();
-    for label in seen.iter().map(|labels| labels[place]).filter(|&label| label != NOTHING) {
+    for label in seen.iter().map(|labels| labels[place]).filter(|&label| label != NO_LABEL) {
         match counts.iter_mut().find(|(known, _)| *known == label) {
             Some((_, count)) => *count += 1,
             None => counts.push((label, 1)),
@@ -83,7 +83,7 @@ fn most(seen: &[Vec<u32>], place: usize) -> Option<u32> {
 
 /// Gives unlabelled pixels the label of a neighbour, ring by ring outwards.
 fn spread(labels: &mut [u32], width: usize) {
-    let mut ring: Vec<usize> = (0..labels.len()).filter(|&pixel| labels[pixel] != NOTHING).collect();
+    let mut ring: Vec<usize> = (0..labels.len()).filter(|&pixel| labels[pixel] != NO_LABEL).collect();
     while !ring.is_empty() {
         let mut next = Vec::new();
         for pixel in ring {
@@ -92,7 +92,7 @@ fn spread(labels: &mut [u32], width: usize) {
             let right = (column + 1 < width).then_some(pixel + 1);
             let below = Some(pixel + width).filter(|&below| below < labels.len());
             for neighbour in [left, right, pixel.checked_sub(width), below].into_iter().flatten() {
-                if labels[neighbour] == NOTHING {
+                if labels[neighbour] == NO_LABEL {
                     labels[neighbour] = labels[pixel];
                     next.push(neighbour);
                 }

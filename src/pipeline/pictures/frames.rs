@@ -33,12 +33,12 @@ pub(in crate::pipeline) fn render_pictures(
     prepared: &PreparedShot,
     wanted: Wanted,
     cancel: &AtomicBool,
-    tell: &(dyn Fn(Event) + Sync),
+    on_event: &(dyn Fn(Event) + Sync),
 ) -> Summary {
     let Wanted { options, output, digest, frames, kept } = wanted;
     let Some(gallery) = &prepared.gallery else { return Summary { kept, ..Summary::default() } };
-    tell_left_out(prepared, tell);
-    tell(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
+    emit_left_out(prepared, on_event);
+    on_event(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
     let mut writer = Writer::new(prepared, options, (output, digest), DeviceClass::Cpu);
     let mut painting = Painting {
         prepared,
@@ -49,7 +49,7 @@ pub(in crate::pipeline) fn render_pictures(
     };
     std::thread::scope(|scope| {
         let (drawn, drawns) = sync_channel(1);
-        let writing = scope.spawn(|| writer.run(drawns, tell));
+        let writing = scope.spawn(|| writer.run(drawns, on_event));
         for &frame in &frames {
             if cancel.load(Ordering::Relaxed) || drawn.send(painting.draw(frame)).is_err() {
                 break;
@@ -63,7 +63,7 @@ pub(in crate::pipeline) fn render_pictures(
 }
 
 /// Reports channels that pictures do not provide.
-fn tell_left_out(prepared: &PreparedShot, tell: &(dyn Fn(Event) + Sync)) {
+fn emit_left_out(prepared: &PreparedShot, on_event: &(dyn Fn(Event) + Sync)) {
     let is_left_out = |group: &&ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Id);
     let names: Vec<String> = prepared
         .shot
@@ -78,7 +78,7 @@ fn tell_left_out(prepared: &PreparedShot, tell: &(dyn Fn(Event) + Sync)) {
             "pictures have colour and ids only: {} is not written; take it out of `channels`",
             names.join(", ")
         );
-        tell(Event::Note { text });
+        on_event(Event::Note { text });
     }
 }
 

@@ -34,7 +34,7 @@ impl Gallery {
     ///
     /// # Errors
     /// [`PipelineError`] if a picture cannot be read, is empty, or does not match the size of the others or the shape of the frame.
-    pub(super) fn hang(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
+    pub(super) fn load(shot: &Shot, paths: &[PathBuf]) -> Result<(Self, Scene), PipelineError> {
         check_memory(paths)?;
         let (mut flat_pictures, mut left_out) = (Vec::new(), Vec::new());
         let mut frame: Option<(FrameSize, &Path)> = None;
@@ -98,14 +98,18 @@ fn unequal(shot: &Shot, (first, of): (FrameSize, &Path), (size, path): (FrameSiz
     PipelineError::mismatch(shot, "image", what, "save all pictures of a shot on canvases of one size")
 }
 
-/// Checks the aspect ratio: a frame of another size shows the pictures scaled, one of another shape cannot.
+/// Checks the aspect ratio: a frame of another size shows the pictures scaled, one of another aspect ratio cannot.
 fn check_shape(shot: &Shot, frame: FrameSize, path: &Path) -> Result<(), PipelineError> {
     if shot.size.is_as_wide_as(frame.aspect()) {
         return Ok(());
     }
-    let what =
-        format!("the frame of {} pixels has not the shape of {}, {}", sides(shot.size), path.display(), sides(frame));
-    Err(PipelineError::mismatch(shot, "size", what, "leave `size` out, or give one of the picture's shape"))
+    let what = format!(
+        "the frame of {} pixels does not have the aspect ratio of {}, {}",
+        sides(shot.size),
+        path.display(),
+        sides(frame)
+    );
+    Err(PipelineError::mismatch(shot, "size", what, "leave `size` out, or give one of the picture's aspect ratio"))
 }
 
 /// Checks that the pictures have different names, by which layers, pins and picks distinguish them.

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 const SEEN: f32 = 0.5;
 
 /// A warped picture at some time.
-struct Laid {
+struct WarpedPicture {
     /// The warp; `None` if the picture is at rest.
     warp: Option<Warp>,
     /// The parts from back to front, with [`CHANNELS`]; each covers the window of pixels that it may touch.
@@ -72,13 +72,13 @@ pub(super) struct Painter<'a> {
     gallery: &'a Gallery,
     prepared: &'a PreparedShot,
     /// One per picture.
-    laid: Vec<Option<Laid>>,
+    warped_pictures: Vec<Option<WarpedPicture>>,
 }
 
 impl<'a> Painter<'a> {
     pub(super) fn new(gallery: &'a Gallery, prepared: &'a PreparedShot) -> Self {
-        let laid = gallery.flat_pictures.iter().map(|_| None).collect();
-        Self { gallery, prepared, laid }
+        let warped_pictures = gallery.flat_pictures.iter().map(|_| None).collect();
+        Self { gallery, prepared, warped_pictures }
     }
 
     /// Returns the mean of the samples at `times`, with the ids of the sample `middle`.
@@ -118,7 +118,7 @@ impl<'a> Painter<'a> {
 
     /// Returns the warnings of the pictures drawn last.
     pub(super) fn warnings(&self) -> Vec<String> {
-        self.laid.iter().flatten().flat_map(|laid| laid.warnings.iter().cloned()).collect()
+        self.warped_pictures.iter().flatten().flat_map(|warped| warped.warnings.iter().cloned()).collect()
     }
 
     /// Composites all pictures.
@@ -126,7 +126,10 @@ impl<'a> Painter<'a> {
         let window = self.gallery.frame.window();
         let mut canvas: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; window.area()]);
         for index in 0..self.gallery.flat_pictures.len() {
-            self.lay(index, sample).pictures.iter().for_each(|picture| lay_over(&mut canvas, window, picture));
+            self.warp_picture(index, sample)
+                .pictures
+                .iter()
+                .for_each(|picture| composite_over(&mut canvas, window, picture));
         }
         canvas
     }
@@ -138,8 +141,8 @@ impl<'a> Painter<'a> {
         for index in 0..self.gallery.flat_pictures.len() {
             let layer = self.prepared.assignment.layer_of_part[index].map_or(0, |layer| layer + 1);
             let here = [layer as f32, (index + 1) as f32];
-            let laid = self.lay(index, sample);
-            for picture in &laid.pictures {
+            let warped = self.warp_picture(index, sample);
+            for picture in &warped.pictures {
                 for [to, from] in window.shared_rows(picture.data_window) {
                     let seen = to.zip(&alpha(picture)[from]).filter(|(_, alpha)| **alpha >= SEEN);
                     seen.for_each(|(at, _)| (ids[0][at], ids[1][at]) = (here[0], here[1]));
@@ -150,18 +153,18 @@ impl<'a> Painter<'a> {
     }
 
     /// Returns a picture warped as in a sample.
-    fn lay(&mut self, index: usize, sample: &TimeSample) -> &Laid {
+    fn warp_picture(&mut self, index: usize, sample: &TimeSample) -> &WarpedPicture {
         let owner = self.prepared.assignment.layer_of_part[index];
         let warp = owner.and_then(|layer| Warp::of(self.prepared, sample, layer));
         let flat_picture = &self.gallery.flat_pictures[index];
-        let laid = match self.laid[index].take() {
-            Some(laid) if laid.warp == warp => laid,
+        let warped_picture = match self.warped_pictures[index].take() {
+            Some(known) if known.warp == warp => known,
             last => {
                 let layer = owner.map_or("", |layer| &self.prepared.shot.layers[layer].name);
                 warped(flat_picture, (layer, warp), (self.prepared.shot.warp.filter, last))
             }
         };
-        self.laid[index].insert(laid)
+        self.warped_pictures[index].insert(warped_picture)
     }
 }
 
@@ -174,8 +177,8 @@ fn channel(name: &str, storage: Storage, samples: Vec<f32>) -> Channel {
 fn warped(
     flat_picture: &FlatPicture,
     (layer, warp): (&str, Option<Warp>),
-    (filter, last): (Filter, Option<Laid>),
-) -> Laid {
+    (filter, last): (Filter, Option<WarpedPicture>),
+) -> WarpedPicture {
     let of_lattice = |plate: &Plate, lattice: ScreenLattice| {
         let (name, field) = (layer.to_owned(), Field::of_layer(lattice));
         let layer = LayerJob { name, field, previous: None, next: None, matte: Some(Matte::Alpha) };
@@ -198,10 +201,10 @@ fn warped(
             (pictures, Some(map), warnings)
         }
     };
-    Laid { warp, pictures, part_map, warnings }
+    WarpedPicture { warp, pictures, part_map, warnings }
 }
 
-impl Laid {
+impl WarpedPicture {
     /// Returns the part map if the shape is split into the same pieces and parts under the given branches.
     fn part_map_of(self, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Option<PartMap> {
         match self.warp {
@@ -212,7 +215,7 @@ impl Laid {
 }
 
 /// Porter and Duff's over operator. Where nothing lies behind, the front keeps its bits.
-fn lay_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, picture: &Frame) {
+fn composite_over(canvas: &mut [Vec<f32>; 4], window: PixelRect, picture: &Frame) {
     let rows = window.shared_rows(picture.data_window);
     for (plane, front) in canvas.iter_mut().zip(&picture.channels) {
         for [to, from] in rows.clone() {

@@ -61,8 +61,8 @@ impl PreparedShot {
             .collect();
         (!shared.is_empty()).then(|| {
             format!(
-                "{}: part of a mesh each; a plate is cut where they meet what moves otherwise, and a seam may open there (`render` \
-                 blends them): look at the border, or let one layer move the mesh",
+                "{}: each moves part of a mesh; a plate is cut where they meet parts that move differently, and a seam may open \
+                 there (`render` blends them): look at the border, or let one layer move the mesh",
                 shared.join(", ")
             )
         })

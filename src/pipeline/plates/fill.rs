@@ -6,7 +6,7 @@ use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::plate::{WarpSettings, has_cryptomattes};
-use crate::raster::geometry::Piece;
+use crate::raster::geometry::Submesh;
 use crate::raster::{ChannelGroup, DeviceChoice};
 
 /// Renders the background of matted layers.
@@ -18,9 +18,9 @@ impl<'a> Filler<'a> {
         let has_matte =
             |&&layer: &&usize| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer);
         let hidden: Vec<usize> = layers.iter().filter(has_matte).copied().collect();
-        let pieces = || prepared.draw_inputs.pieces.iter().flatten();
-        let is_hidden = |piece: &Piece| hidden.iter().any(|&layer| piece.layer_id == layer as u32 + 1);
-        if !pieces().any(is_hidden) || pieces().all(is_hidden) {
+        let submeshes = || prepared.draw_inputs.submeshes.iter().flatten();
+        let is_hidden = |submesh: &Submesh| hidden.iter().any(|&layer| submesh.layer_id == layer as u32 + 1);
+        if !submeshes().any(is_hidden) || submeshes().all(is_hidden) {
             return None;
         }
         // The other layers bend the whole picture, including this background.

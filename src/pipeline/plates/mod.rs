@@ -10,7 +10,7 @@
 mod at_rest;
 mod default_mattes;
 mod fill;
-mod heads;
+mod headers;
 mod job;
 mod plan;
 mod read;
@@ -36,28 +36,28 @@ use write::Writer;
 
 /// Warps the requested frames.
 ///
-/// `tell` is called from several threads. `cancel` ends the work after the frames in flight.
+/// `on_event` is called from several threads. `cancel` ends the work after the frames in flight.
 ///
 /// # Errors
 /// [`PipelineError`] if nothing can be warped at all; frames that fail individually are reported as events and counted.
 pub fn warp_frames(
     job: &WarpJob,
     cancel: &AtomicBool,
-    tell: &(dyn Fn(WarpEvent) + Sync),
+    on_event: &(dyn Fn(WarpEvent) + Sync),
 ) -> Result<WarpSummary, PipelineError> {
     let begun = Instant::now();
     let warper = raster::resampler(&job.device)?.map_or_else(Warper::default, Warper::on);
     let plan = Plan::of(job, &warper.device().unwrap_or_else(|| "CPU".into()))?;
     if let Some(name) = warper.device() {
-        tell(WarpEvent::Note { text: format!("{name} resamples colour") });
+        on_event(WarpEvent::Note { text: format!("{name} resamples colour") });
     }
     for text in plan.notes.iter().cloned() {
-        tell(WarpEvent::Note { text });
+        on_event(WarpEvent::Note { text });
     }
     let Todo { frames, kept, redone, .. } = &plan.todo;
-    redone.iter().cloned().for_each(|redone| tell(WarpEvent::FrameRedone(redone)));
+    redone.iter().cloned().for_each(|redone| on_event(WarpEvent::FrameRedone(redone)));
     let wanted = frames.len();
-    tell(WarpEvent::Started { frames: wanted, kept: *kept });
+    on_event(WarpEvent::Started { frames: wanted, kept: *kept });
     if let PlateWarp::Shot(prepared) = &job.warp
         && wanted > 0
     {
@@ -70,7 +70,7 @@ pub fn warp_frames(
         let (warped, warps) = sync_channel(0);
         let reader = Reader { plan: &plan, cancel };
         scope.spawn(move || reader.run(&loaded));
-        let writing = scope.spawn(|| writer.run(warps, tell));
+        let writing = scope.spawn(|| writer.run(warps, on_event));
         stage.run(loads, &warped);
         drop(warped);
         // Propagates a panic in the writer.
@@ -80,6 +80,6 @@ pub fn warp_frames(
     (summary.kept, summary.redone) = (*kept, redone.len());
     summary.wall_secs = begun.elapsed().as_secs_f64();
     summary.is_cancelled = summary.warped + summary.failed < wanted && cancel.load(Ordering::Relaxed);
-    tell(WarpEvent::Finished(summary.clone()));
+    on_event(WarpEvent::Finished(summary.clone()));
     Ok(summary)
 }

@@ -7,11 +7,11 @@ use super::super::output::input_files;
 use super::super::resume::{Todo, refuse_existing};
 use super::super::topology::check_plain;
 use super::super::{Existing, PipelineError, PreparedShot};
-use super::heads::{self, Sources};
+use super::headers::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{
-    Depth, Expected, ImageError, Inputs, PictureKind, Redo, SequencePath, check_kept, is_there, picture_size,
+    Depth, Expected, ImageError, Inputs, PictureKind, SequencePath, StaleReason, check_kept, is_there, picture_size,
 };
 use crate::plate::Holes;
 use crate::shot::{LayerSpace, Unmatted, digest};
@@ -69,7 +69,7 @@ impl Plan {
         let digests = digests(job, &layers, [Some(&plate), clean.as_ref(), maps.as_ref()]);
         let todo = todo(job, (wanted, &plate, &output), (&digests, device));
         let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
-        notes.extend(heads::check(job, &sources, &layers, &todo.frames)?);
+        notes.extend(headers::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
         Ok(Self { plate, output, clean, maps, layers, todo, notes, digests })
@@ -92,7 +92,7 @@ fn todo(
     Todo::of(wanted, output, job.existing, |frame| {
         let path = output.path_of(frame);
         if !is_there(&path) {
-            return Err(Redo::Missing);
+            return Err(StaleReason::Missing);
         }
         let size = picture_size(&plate.path_of(frame)).ok();
         let expected = Expected { frame, shot_hash: &digests.of(frame), size, device };

@@ -6,7 +6,7 @@ use super::super::time_sample::ScreenWarp;
 use super::super::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
-use super::heads::check_shape;
+use super::headers::check_shape;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
 use super::write::Warped;

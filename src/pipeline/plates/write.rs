@@ -53,29 +53,29 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes all frames that arrive; one failed frame does not stop the others.
-    pub(super) fn run(&mut self, warps: Receiver<Warped>, tell: &(dyn Fn(WarpEvent) + Sync)) {
+    pub(super) fn run(&mut self, warps: Receiver<Warped>, on_event: &(dyn Fn(WarpEvent) + Sync)) {
         for Warped { frame, outcome } in warps {
             if let Ok((plate, _, _)) = &outcome {
-                self.tell_left_out(frame, plate, tell);
+                self.emit_left_out(frame, plate, on_event);
             }
             match outcome.and_then(|(plate, report, _memory)| self.write(plate, report)) {
                 Ok(report) => {
                     self.summary.warped += 1;
-                    tell(WarpEvent::FrameDone(report));
+                    on_event(WarpEvent::FrameDone(report));
                 }
                 Err(error) => {
                     self.summary.failed += 1;
-                    tell(WarpEvent::FrameFailed { frame, error: error.to_string() });
+                    on_event(WarpEvent::FrameFailed { frame, error: error.to_string() });
                 }
             }
         }
     }
 
     /// Reports contents of a plate that the warped plate lacks, each only once, because the frames of a sequence mostly agree.
-    fn tell_left_out(&mut self, frame: i32, plate: &Plate, tell: &(dyn Fn(WarpEvent) + Sync)) {
+    fn emit_left_out(&mut self, frame: i32, plate: &Plate, on_event: &(dyn Fn(WarpEvent) + Sync)) {
         for what in &plate.left_out {
             if !self.left_out.contains(what) {
-                tell(WarpEvent::Note { text: format!("left out of the plate from frame {frame} on: {what}") });
+                on_event(WarpEvent::Note { text: format!("left out of the plate from frame {frame} on: {what}") });
                 self.left_out.push(what.clone());
             }
         }

@@ -176,8 +176,11 @@ impl Search<'_> {
         let own: BTreeSet<usize> = self.own().map(|part| primitive(self.scene, part).material).collect();
         let names: Vec<(usize, String)> = own.iter().map(|&index| (index, material_name(self.scene, index))).collect();
         Self::chosen(patterns, own, |pattern| {
-            let matched: BTreeSet<usize> =
-                names.iter().filter(|(_, name)| spelling::fits(pattern, name)).map(|(index, _)| *index).collect();
+            let matched: BTreeSet<usize> = names
+                .iter()
+                .filter(|(_, name)| spelling::matches_pattern(pattern, name))
+                .map(|(index, _)| *index)
+                .collect();
             if matched.is_empty() {
                 let what = format!("none of its meshes has a material that matches '{pattern}'");
                 let hint = spelling::hint(pattern, names.iter().map(|(_, name)| name.as_str()));

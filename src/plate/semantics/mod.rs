@@ -117,6 +117,6 @@ fn word_of(segment: &str) -> String {
 impl ChannelName {
     /// Whether a pattern of the shot matches this channel, by its full name or with the part's name as prefix.
     pub(super) fn fits(&self, pattern: &str) -> bool {
-        spelling::fits(pattern, &self.full) || spelling::fits(pattern, &self.with_all_of_part())
+        spelling::matches_pattern(pattern, &self.full) || spelling::matches_pattern(pattern, &self.with_all_of_part())
     }
 }

@@ -29,8 +29,8 @@ pub struct Assembly<'a> {
     pub now: PosedScene<'a>,
     /// One frame later, then one frame earlier; `None` if motion is not requested (it is then zero).
     pub neighbours: Option<[PosedScene<'a>; 2]>,
-    /// Per part: its pieces with different ids.
-    pub pieces: &'a [Vec<Piece>],
+    /// Per part: its submeshes with different ids.
+    pub submeshes: &'a [Vec<Submesh>],
     /// All lights.
     pub lights: &'a [PosedLight],
     /// Strength of the neutral environment.
@@ -41,7 +41,7 @@ pub struct Assembly<'a> {
 
 /// Triangles of a part with common ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Piece {
+pub struct Submesh {
     /// Indices of its triangles; `None`: all of the part, or its lines.
     pub triangles: Option<Vec<u32>>,
     /// 1 + index of the layer, 0 for none.
@@ -53,9 +53,9 @@ pub struct Piece {
 /// One part, ready to be joined with the others.
 pub(super) struct BuiltPart {
     pub(super) vertices: Vec<RasterVertex>,
-    /// The triangles of all pieces, consecutively.
+    /// The triangles of all submeshes, consecutively.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// One draw per piece, and the end of its triangles. Index ranges are filled in when the parts are joined.
+    /// One draw per submesh, and the end of its triangles. Index ranges are filled in when the parts are joined.
     pub(super) draws: Vec<(Draw, usize)>,
     pub(super) is_blended: bool,
 }

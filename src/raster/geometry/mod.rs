@@ -12,7 +12,7 @@ mod sort;
 mod split;
 mod vertex;
 
-pub use assembly::{Assembly, Piece, PosedScene};
+pub use assembly::{Assembly, PosedScene, Submesh};
 pub use part_warp::{BranchWarp, PartPoint, PartWarp, WarpBlend};
 
 use super::{Draw, Geometry, RasterVertex};
@@ -57,39 +57,39 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     let warped = |vertex: &ClipVertex, on: PartPoint| vertex.warped(warps, on, range);
     let material = &scene.materials[source.material];
     let list = VertexList::new(assembly, part);
-    let pieces = &assembly.pieces[part];
+    let submeshes = &assembly.submeshes[part];
     let (vertices, triangles, ends) = if source.lines.is_empty() {
-        faces(source, Splitter::new(list, source.triangles.len(), &bends), (now, part, pieces), warped)
+        faces(source, Splitter::new(list, source.triangles.len(), &bends), (now, part, submeshes), warped)
     } else {
         let clipper = LineClipper { vertices: &list, near: now.camera.near(), bends: &bends };
         let warped = |vertex: &ClipVertex| warped(vertex, PartPoint { weights: &[], triangle: 0 });
         let (vertices, triangles) = ribbons(source, &clipper, (now.camera, assembly.line_width), warped);
         let end = triangles.len();
-        (vertices, triangles, vec![end; pieces.len()])
+        (vertices, triangles, vec![end; submeshes.len()])
     };
-    let draw = |piece: &Piece| Draw {
+    let draw = |submesh: &Submesh| Draw {
         indices: 0..0,
         material: source.material as u32,
-        layer_id: piece.layer_id,
+        layer_id: submesh.layer_id,
         object_id: posed.node as u32 + 1,
-        mattes: piece.mattes,
+        mattes: submesh.mattes,
         is_mirrored: posed.is_mirrored,
     };
-    let draws = pieces.iter().map(draw).zip(ends).collect();
+    let draws = submeshes.iter().map(draw).zip(ends).collect();
     BuiltPart { vertices, triangles, draws, is_blended: material.alpha == AlphaMode::Blend }
 }
 
-/// Returns vertices and triangles of a surface, piece after piece, and the end of each piece's triangles.
+/// Returns vertices and triangles of a surface, submesh after submesh, and the end of each submesh's triangles.
 fn faces(
     source: &Primitive,
     mut splitter: Splitter,
-    (now, part, pieces): (PosedScene, usize, &[Piece]),
+    (now, part, submeshes): (PosedScene, usize, &[Submesh]),
     warped: impl Fn(&ClipVertex, PartPoint) -> RasterVertex + Send + Sync,
 ) -> (Vec<RasterVertex>, Vec<[u32; 3]>, Vec<usize>) {
     let near = now.camera.near();
-    let mut ends = Vec::with_capacity(pieces.len());
-    for piece in pieces {
-        match &piece.triangles {
+    let mut ends = Vec::with_capacity(submeshes.len());
+    for submesh in submeshes {
+        match &submesh.triangles {
             None => (0..).zip(&source.triangles).for_each(|(number, corners)| splitter.add((number, *corners), near)),
             Some(own) => own.iter().for_each(|&number| splitter.add((number, source.triangles[number as usize]), near)),
         }

@@ -3,7 +3,7 @@
 //! In: raw values. Out: a [`CameraRule`] whose keys are complete and of one kind, and a [`Visibility`].
 
 use super::{Check, Kind};
-use crate::shot::raw::{RawCamera, RawCameraState, RawLookAt, RawOwnCamera};
+use crate::shot::raw::{RawCamera, RawCameraState, RawLookAt, RawShotCamera};
 use crate::shot::{CameraAim, CameraKey, CameraLens, CameraRule, Ease, LookAt, OwnCamera, Visibility};
 
 /// Default vertical field of view in degrees: a portrait lens.
@@ -27,7 +27,7 @@ impl Check<'_> {
         }
     }
 
-    fn own_camera(&mut self, raw: &RawOwnCamera, first_frame: i32) -> OwnCamera {
+    fn own_camera(&mut self, raw: &RawShotCamera, first_frame: i32) -> OwnCamera {
         if raw.keys.is_empty() {
             self.exclusive(&raw.state, "camera");
             return OwnCamera { keys: vec![camera_key((f64::from(first_frame), Ease::default()), &raw.state)] };

@@ -22,7 +22,7 @@ impl Check<'_> {
                 self.fault(key, format!("{path:?} is not the name of a picture"), hint);
             } else if is_sequence {
                 let hint = "write `plate` instead, give its layer `matte = \"alpha\"`, and run `pinwarp warp`";
-                self.fault(key, "pictures of a shot stand still, this is a sequence", hint);
+                self.fault(key, "pictures of a shot are single images, but this is a sequence", hint);
             } else if paths[..index].iter().any(|(_, other)| other == path) {
                 self.fault(key, format!("{path:?} is listed twice"), "remove one of them, or copy the file");
             }

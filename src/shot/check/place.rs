@@ -7,7 +7,7 @@ use super::{Check, LayerDefaults};
 use crate::shot::raw::{RawHandle, RawPin, RawPinKey, RawRotation, RawSpace};
 use crate::shot::{Goal, OffsetUnit, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 
 /// The suggestion for three numbers in a screen layer.
 const TO_WORLD: &str = "or move the lattice into the scene: lattice = { space = \"world\", dims = [5, 5, 5] }";
@@ -80,7 +80,7 @@ impl Check<'_> {
                 self.fault(key, "has three numbers, but the layer's lattice lies on the screen", hint);
             }
             (_, count) if count != kind.axes => {
-                let given = counted(count, "number", "numbers");
+                let given = pluralised(count, "number", "numbers");
                 let what = format!("has {given}, other keys of the pin have {}", kind.axes);
                 let hint = "give all keys two numbers (dragged on the screen) or all three (along the scene's axes)";
                 self.fault(key, what, hint);
@@ -126,7 +126,7 @@ impl Check<'_> {
         let index = [at(0), at(1), at(2)];
         let sides = &dims[..axes];
         if raw.index.len() != axes {
-            let given = counted(raw.index.len(), "number", "numbers");
+            let given = pluralised(raw.index.len(), "number", "numbers");
             let what = format!("has {given}, the lattice of this layer has {axes} axes");
             self.fault(&key, what, format!("give {axes} whole numbers"));
         } else if index.iter().zip(dims).any(|(place, count)| *place >= count) {
@@ -147,7 +147,7 @@ impl Check<'_> {
         if raw.len() == axes {
             self.box_unit(raw, &key);
         } else {
-            let given = counted(raw.len(), "number", "numbers");
+            let given = pluralised(raw.len(), "number", "numbers");
             let what = format!("has {given}, the box of this layer's lattice has {axes} sizes");
             self.fault(&key, what, format!("give {axes} numbers"));
         }

@@ -7,8 +7,8 @@ use crate::image::{ImageError, SequencePath};
 use crate::plate::{Holes, Matte, MotionEncoding, MotionUnit, WarpSettings};
 use crate::shot::Source;
 use crate::shot::raw::{
-    RawAcross, RawHoles, RawLayer, RawMatte, RawMotion, RawMotionUnit, RawNamedMatte, RawNamedUnit, RawPart, RawShot,
-    RawSpace, RawUpright, RawWarp,
+    RawHoles, RawHorizontal, RawLayer, RawMatte, RawMatteSource, RawMotion, RawMotionUnit, RawNamedMatte, RawNamedUnit,
+    RawShot, RawSpace, RawVertical, RawWarp,
 };
 use std::path::{Path, PathBuf};
 
@@ -83,8 +83,8 @@ impl Check<'_> {
         }
     }
 
-    fn part(&mut self, raw: &RawPart, key: &str) -> Option<Matte> {
-        let RawPart { channel, id, values, cryptomatte, of } = raw.clone();
+    fn part(&mut self, raw: &RawMatteSource, key: &str) -> Option<Matte> {
+        let RawMatteSource { channel, id, values, cryptomatte, of } = raw.clone();
         let lonely = [
             ("values", values.is_some() && id.is_none(), "id"),
             ("of", of.is_some() && cryptomatte.is_none(), "cryptomatte"),
@@ -154,7 +154,7 @@ fn motion(raw: &RawMotion) -> (Option<MotionEncoding>, MotionUnit) {
         RawMotionUnit::Number(pixels) => ([pixels; 2], MotionUnit::Pixels),
         RawMotionUnit::Named(RawNamedUnit::Frame) => ([1.0; 2], MotionUnit::Frame),
     };
-    let x = if raw.x == RawAcross::Left { -unit[0] } else { unit[0] };
-    let y = if raw.y == RawUpright::Down { -unit[1] } else { unit[1] };
+    let x = if raw.x == RawHorizontal::Left { -unit[0] } else { unit[0] };
+    let y = if raw.y == RawVertical::Down { -unit[1] } else { unit[1] };
     (Some(MotionEncoding { pixels_per_unit: [x, y] }), scale)
 }

@@ -14,13 +14,13 @@ pub(in crate::shot) enum RawCamera {
     /// view with `:LAYER` frames that layer.
     Named(#[schemars(length(min = 1))] String),
     /// A camera defined in the shot.
-    Own(Box<RawOwnCamera>),
+    Own(Box<RawShotCamera>),
 }
 
 /// A camera defined in the shot. It orbits `look_at`, or stands at `position`. Angles are in degrees.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub(in crate::shot) struct RawOwnCamera {
+pub(in crate::shot) struct RawShotCamera {
     #[serde(flatten)]
     pub(in crate::shot) state: RawCameraState,
     /// Keyframes of the camera. Values that a key omits come from the table.

@@ -50,10 +50,10 @@ pub(in crate::shot) struct RawMotion {
     pub(in crate::shot) unit: RawMotionUnit,
     /// Direction of positive u.
     #[serde(default)]
-    pub(in crate::shot) x: RawAcross,
+    pub(in crate::shot) x: RawHorizontal,
     /// Direction of positive v.
     #[serde(default)]
-    pub(in crate::shot) y: RawUpright,
+    pub(in crate::shot) y: RawVertical,
 }
 
 /// The unit of a motion channel.
@@ -96,7 +96,7 @@ impl Default for RawMotionUnit {
 /// The direction of positive u.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::shot) enum RawAcross {
+pub(in crate::shot) enum RawHorizontal {
     /// Right.
     #[default]
     Right,
@@ -107,7 +107,7 @@ pub(in crate::shot) enum RawAcross {
 /// The direction of positive v.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::shot) enum RawUpright {
+pub(in crate::shot) enum RawVertical {
     /// Up.
     #[default]
     Up,
@@ -134,7 +134,7 @@ pub(in crate::shot) enum RawMatte {
     /// `alpha`: everything in the plate, for pictures of one thing over nothing; `none`: the whole picture.
     Named(RawNamedMatte),
     /// The part that a channel, ids or a Cryptomatte select.
-    Part(RawPart),
+    Part(RawMatteSource),
 }
 
 /// Mattes with names.
@@ -161,7 +161,7 @@ impl JsonSchema for RawNamedMatte {
 /// A part of a plate. Set one of channel, id and cryptomatte.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-pub(in crate::shot) struct RawPart {
+pub(in crate::shot) struct RawMatteSource {
     /// Name of a channel whose values, 0 to 1, are the matte.
     #[schemars(length(min = 1), example = &"mask.R")]
     pub(in crate::shot) channel: Option<String>,

@@ -14,7 +14,7 @@ const BISECTIONS: usize = 40;
 impl<const D: usize> BarrierPoints<D> {
     /// Returns the largest fraction of the way from `from` to `to` up to which det J exceeds `least` at every point; 1 where the
     /// whole way is free.
-    pub(super) fn way_to_crossing(&self, from: &[[f64; D]], to: &[[f64; D]], least: f64) -> f64 {
+    pub(super) fn max_step(&self, from: &[[f64; D]], to: &[[f64; D]], least: f64) -> f64 {
         let (before, after) = (self.gradients_at(from), self.gradients_at(to));
         let mut share = 1.0;
         self.for_each_point(|[_, packet, lane]| {
@@ -40,11 +40,11 @@ fn first_root<const D: usize>(from: &SquareMatrix<D>, to: &SquareMatrix<D>, (lea
     if a > 0.0 && d > 0.0 && inner.iter().all(|&x| x > 0.0) {
         return share;
     }
-    first_of([a, inner[0], inner[1], d], 0, [0.0, share]).unwrap_or(share)
+    first_root_in([a, inner[0], inner[1], d], 0, [0.0, share]).unwrap_or(share)
 }
 
 /// Returns the first root of a cubic in Bernstein form over an interval, by bisection; `None` where it has no root.
-fn first_of([a, b, c, d]: [f64; 4], depth: usize, [low, high]: [f64; 2]) -> Option<f64> {
+fn first_root_in([a, b, c, d]: [f64; 4], depth: usize, [low, high]: [f64; 2]) -> Option<f64> {
     if a <= 0.0 {
         return Some(low);
     }
@@ -57,8 +57,8 @@ fn first_of([a, b, c, d]: [f64; 4], depth: usize, [low, high]: [f64; 2]) -> Opti
     let (ab, bc, cd) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d));
     let (abc, bcd) = (0.5 * (ab + bc), 0.5 * (bc + cd));
     let (middle, half) = (0.5 * (abc + bcd), f64::midpoint(low, high));
-    first_of([a, ab, abc, middle], depth + 1, [low, half])
-        .or_else(|| first_of([middle, bcd, cd, d], depth + 1, [half, high]))
+    first_root_in([a, ab, abc, middle], depth + 1, [low, half])
+        .or_else(|| first_root_in([middle, bcd, cd, d], depth + 1, [half, high]))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::solve::linalg::small_matrix::{SquareMatrix, symmetric_eigen};
 const LEAST: f64 = 1e-9;
 
 /// An eigenvalue and its eigenmatrix Q: the second derivative along dJ is Σ value ⟨Q, dJ⟩².
-pub(super) type Curve<const D: usize> = (f64, SquareMatrix<D>);
+pub(super) type EigenPair<const D: usize> = (f64, SquareMatrix<D>);
 
 /// Returns the cofactor matrix, the derivative of det J.
 pub(super) fn cofactors<const D: usize>(j: &SquareMatrix<D>) -> SquareMatrix<D> {
@@ -30,7 +30,11 @@ pub(super) fn cofactors<const D: usize>(j: &SquareMatrix<D>) -> SquareMatrix<D> 
 
 /// Returns the eigenpairs of the second derivative at a J of positive determinant, `slope` = φ', `bend` = φ''. With `is_convex`,
 /// pairs with a negative eigenvalue are left out.
-pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2], is_convex: bool) -> Vec<Curve<D>> {
+pub(super) fn eigen_pairs<const D: usize>(
+    j: &SquareMatrix<D>,
+    [slope, bend]: [f64; 2],
+    is_convex: bool,
+) -> Vec<EigenPair<D>> {
     let gram: SquareMatrix<D> =
         std::array::from_fn(|a| std::array::from_fn(|b| (0..D).map(|row| j[row][a] * j[row][b]).sum()));
     let (squares, right) = symmetric_eigen(&gram);
@@ -51,13 +55,13 @@ pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2
         })
     });
     let (values, vectors) = symmetric_eigen(&scaling);
-    let mut curves: Vec<Curve<D>> = Vec::with_capacity(D * D);
+    let mut eigen_pairs: Vec<EigenPair<D>> = Vec::with_capacity(D * D);
     for (k, &value) in values.iter().enumerate() {
         let mut along = [[0.0; D]; D];
         for (p, row) in vectors.iter().enumerate() {
             add(&mut along, row[k], &outer(p, p));
         }
-        curves.push((value, along));
+        eigen_pairs.push((value, along));
     }
     for p in 0..D {
         for q in p + 1..D {
@@ -66,12 +70,12 @@ pub(super) fn curves<const D: usize>(j: &SquareMatrix<D>, [slope, bend]: [f64; 2
                 let mut along = [[0.0; D]; D];
                 add(&mut along, std::f64::consts::FRAC_1_SQRT_2, &outer(p, q));
                 add(&mut along, sign * std::f64::consts::FRAC_1_SQRT_2, &outer(q, p));
-                curves.push((-sign * slope * mixed(p, q), along));
+                eigen_pairs.push((-sign * slope * mixed(p, q), along));
             }
         }
     }
-    curves.retain(|(value, _)| if is_convex { *value > 0.0 } else { *value != 0.0 });
-    curves
+    eigen_pairs.retain(|(value, _)| if is_convex { *value > 0.0 } else { *value != 0.0 });
+    eigen_pairs
 }
 
 fn add<const D: usize>(sum: &mut SquareMatrix<D>, factor: f64, matrix: &SquareMatrix<D>) {
@@ -95,12 +99,12 @@ mod tests {
         };
         let [_, slope, bend] = potential(determinant(&j));
         let found: f64 =
-            curves(&j, [slope, bend], false).iter().map(|(value, q)| value * inner(q, &along).powi(2)).sum();
+            eigen_pairs(&j, [slope, bend], false).iter().map(|(value, q)| value * inner(q, &along).powi(2)).sum();
         let first = |t: f64| potential(determinant(&at(t)))[1] * inner(&cofactors(&at(t)), &along);
         let step = 1e-6;
         let wanted = (first(step) - first(-step)) / (2.0 * step);
         assert!((found - wanted).abs() < 1e-5 * wanted.abs().max(bend), "{found} {wanted}");
-        assert!(curves(&j, [slope, bend], true).iter().all(|(value, _)| *value > 0.0));
+        assert!(eigen_pairs(&j, [slope, bend], true).iter().all(|(value, _)| *value > 0.0));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! point.
 
 use super::points::{BarrierPoints, FINE};
-use super::potential::{CLEAR, POLE};
+use super::potential::{ACTIVATION_DET, MIN_DET};
 use super::reactions::Reactions;
 use crate::solve::cancel::Cancelled;
 use crate::solve::energy::RotationHessian;
@@ -17,10 +17,10 @@ use std::collections::BTreeMap;
 const STRENGTH: f64 = 1.0;
 
 /// Minimum det J of the start state where the descent starts from the problem itself.
-const FIRST: f64 = 2.5 * POLE;
+const FIRST: f64 = 2.5 * MIN_DET;
 
 /// Minimum det J that the previous state of a similar problem must have for the descent to start from it.
-const LAST: f64 = 1.01 * POLE;
+const LAST: f64 = 1.01 * MIN_DET;
 
 /// Fraction of the distance to the pole that a step may take.
 const CAUTION: f64 = 0.9;
@@ -75,7 +75,7 @@ impl<const D: usize> Minimization<'_, D> {
 
     /// Returns `free`, the minimum without the barrier, if it is clear, else a minimum with the barrier. The descent starts from
     /// `before`, the state of a similar problem, where that is given and has no point close to the pole.
-    pub(crate) fn kept_clear(
+    pub(crate) fn with_barrier(
         &self,
         free: MinimizationResult<D>,
         before: Option<&[[f64; D]]>,
@@ -84,8 +84,8 @@ impl<const D: usize> Minimization<'_, D> {
         let mut reactions = Reactions::new(self);
         // The force limits of the pins rise with the remaining determinant, so that pins do not give way suddenly where the
         // barrier begins to act.
-        let t = (barrier.least_det(&free.handles) / CLEAR).clamp(0.0, 1.0);
-        reactions.start_from(&self.softly_solved(&free.handles)?, t * t * (3.0 - 2.0 * t));
+        let t = (barrier.least_det(&free.handles) / ACTIVATION_DET).clamp(0.0, 1.0);
+        reactions.initialise_multipliers(&self.unconstrained_step(&free.handles)?, t * t * (3.0 - 2.0 * t));
         let mut result = free;
         let mut finer = BTreeMap::new();
         for round in 0..=REFINEMENTS {
@@ -94,7 +94,7 @@ impl<const D: usize> Minimization<'_, D> {
             let first = match before.filter(|before| round == 0 && points.least_det(before) >= LAST) {
                 Some(before) => before.to_vec(),
                 None => {
-                    let share = points.way_to_crossing(&self.start, &result.handles, FIRST);
+                    let share = points.max_step(&self.start, &result.handles, FIRST);
                     if share < 1.0 { blend(&self.start, &result.handles, CAUTION * share) } else { result.handles }
                 }
             };
@@ -119,7 +119,7 @@ impl<const D: usize> Minimization<'_, D> {
 
     /// Takes one local-global step without enforcing hard constraints. Each hard row then misses its target by its force divided
     /// by its stiffness.
-    fn softly_solved(&self, handles: &[[f64; D]]) -> Result<Vectors<D>, Cancelled> {
+    fn unconstrained_step(&self, handles: &[[f64; D]]) -> Result<Vectors<D>, Cancelled> {
         let mut next = self.constant_right_side();
         self.local_energy(handles, &mut next);
         self.cancel.check()?;
@@ -156,11 +156,11 @@ impl<const D: usize> Descent<'_, D> {
         let mut is_converged = false;
         for _ in 0..ROUNDS {
             (handles, is_converged) = self.minimized(handles)?;
-            if self.reactions.advance(&handles) <= HELD * problem.diagonal {
+            if self.reactions.update_multipliers(&handles) <= HELD * problem.diagonal {
                 break;
             }
         }
-        let has_given_way = self.reactions.give_way(&handles);
+        let has_given_way = self.reactions.any_yields(&handles);
         if !has_given_way {
             problem.constraints.enforce(problem.terms, &mut Vec::new(), &mut handles);
         }
@@ -187,7 +187,7 @@ impl<const D: usize> Descent<'_, D> {
             let full = ahead(&state.handles, &by, 1.0);
             let length = largest_step(&state.handles, &full);
             if length <= tolerance {
-                let is_open = self.points.way_to_crossing(&state.handles, &full, POLE) >= 1.0;
+                let is_open = self.points.max_step(&state.handles, &full, MIN_DET) >= 1.0;
                 return Ok((if is_open { full } else { state.handles }, true));
             }
             match self.searched(&state, &by)? {
@@ -210,9 +210,9 @@ impl<const D: usize> Descent<'_, D> {
         let mut energy = problem.local_energy(&handles, &mut residual);
         problem.cancel.check()?;
         let scale = STRENGTH * problem.stiffness();
-        let (barrier, narrow) = self.points.energy(&handles);
+        let (barrier, penalised) = self.points.energy(&handles);
         energy += scale * barrier;
-        self.points.subtract_derivative(scale, &narrow, &mut residual);
+        self.points.subtract_derivative(scale, &penalised, &mut residual);
         energy += self.reactions.correct(&handles, &mut residual);
         problem.normal.subtract_matvec(&handles, &mut residual);
         Ok(State { handles, energy, residual })
@@ -220,7 +220,7 @@ impl<const D: usize> Descent<'_, D> {
 
     /// Line search along `by` (backtracking with the Armijo condition); `None` if no trial lowers the energy enough.
     fn searched(&self, state: &State<D>, by: &[[f64; D]]) -> Result<Option<State<D>>, Cancelled> {
-        let way = self.points.way_to_crossing(&state.handles, &ahead(&state.handles, by, 1.0), POLE);
+        let way = self.points.max_step(&state.handles, &ahead(&state.handles, by, 1.0), MIN_DET);
         let mut share = if way < 1.0 { CAUTION * way } else { 1.0 };
         let slope: f64 = state.residual.as_flattened().iter().zip(by.as_flattened()).map(|(x, y)| 2.0 * x * y).sum();
         for _ in 0..HALVINGS {
@@ -238,7 +238,7 @@ impl<const D: usize> Descent<'_, D> {
     fn direction(&mut self, state: &State<D>) -> Result<Vectors<D>, Cancelled> {
         let Self { problem, points, reactions, .. } = self;
         let Minimization { distortion, cancel, .. } = **problem;
-        let narrow = points.narrow_points(&state.handles);
+        let penalised = points.penalised_points(&state.handles);
         let scale = STRENGTH * problem.stiffness();
         let wide = problem.normal.widened(points.bandwidth());
         let mut by = state.residual.clone();
@@ -247,7 +247,7 @@ impl<const D: usize> Descent<'_, D> {
             let mut second = wide.kron_identity::<D>(Vec::new());
             let hessian = RotationHessian { scale: problem.scales.shape, limit };
             distortion.subtract_rotation_hessian(&state.handles, hessian, &mut second, cancel);
-            points.add_curvature(scale, &narrow, is_convex, &mut second);
+            points.add_curvature(scale, &penalised, is_convex, &mut second);
             reactions.correct_curvature(&state.handles, is_convex, &mut second);
             cancel.check()?;
             if let Some(factor) = Factorization::of_positive(second, cancel) {

@@ -15,7 +15,7 @@ use super::cancel::Cancel;
 use crate::lattice::{Grid, Lattice};
 pub(crate) use points::BarrierPart;
 use points::{BarrierPoints, CellOfPart, FINE};
-use potential::CLEAR;
+use potential::ACTIVATION_DET;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -44,7 +44,7 @@ impl<const D: usize> Barrier<D> {
     /// Whether det J ≥ 0.2 at every point, so that the barrier and its derivatives vanish.
     pub(crate) fn is_clear(&self, handles: &[[f64; D]]) -> bool {
         let least = self.rough.least_det(handles);
-        least >= SURELY_CLEAR || least >= CLEAR && self.points().least_det(handles) >= CLEAR
+        least >= SURELY_CLEAR || least >= ACTIVATION_DET && self.points().least_det(handles) >= ACTIVATION_DET
     }
 
     /// Smallest det J at the coarse points.

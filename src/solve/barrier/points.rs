@@ -3,8 +3,8 @@
 //! In: a grid, cells, and the number of points per axis in each. Out: the mean over all cells of the mean potential over their
 //! points. Cells with more than the usual number of points weigh more.
 
-use super::curvature::{cofactors, curves};
-use super::potential::{CLEAR, potential};
+use super::curvature::{cofactors, eigen_pairs};
+use super::potential::{ACTIVATION_DET, potential};
 use crate::lattice::{Grid, Support};
 use crate::solve::blocked_weights::BlockedWeights;
 use crate::solve::cancel::Cancel;
@@ -36,8 +36,8 @@ pub(super) struct BarrierPoints<const D: usize> {
     shares: Vec<f64>,
 }
 
-/// A point where det J is below [`CLEAR`].
-pub(super) struct NarrowPoint<const D: usize> {
+/// A point where det J is below [`ACTIVATION_DET`].
+pub(super) struct PenalisedPoint<const D: usize> {
     /// Block, packet and lane of the point.
     place: [usize; 3],
     gradient: SquareMatrix<D>,
@@ -98,32 +98,32 @@ impl<const D: usize> BarrierPoints<D> {
         if least.is_nan() { f64::NEG_INFINITY } else { least }
     }
 
-    /// Returns the points where det J is below [`CLEAR`].
-    pub(super) fn narrow_points(&self, handles: &[[f64; D]]) -> Vec<NarrowPoint<D>> {
+    /// Returns the points where det J is below [`ACTIVATION_DET`].
+    pub(super) fn penalised_points(&self, handles: &[[f64; D]]) -> Vec<PenalisedPoint<D>> {
         let gradients = self.gradients_at(handles);
-        let mut narrow = Vec::new();
+        let mut penalised = Vec::new();
         self.for_each_point(|place| {
             let gradient = lane_of(&gradients[place[1]], place[2]);
             let det = determinant(&gradient);
-            // A NaN also counts as narrow.
-            let is_clear = det >= CLEAR;
+            // A NaN is also penalised.
+            let is_clear = det >= ACTIVATION_DET;
             if !is_clear {
-                narrow.push(NarrowPoint { place, gradient, det });
+                penalised.push(PenalisedPoint { place, gradient, det });
             }
         });
-        narrow
+        penalised
     }
 
-    /// Returns the mean potential and the narrow points.
-    pub(super) fn energy(&self, handles: &[[f64; D]]) -> (f64, Vec<NarrowPoint<D>>) {
-        let narrow = self.narrow_points(handles);
-        let sum: f64 = narrow.iter().map(|point| self.shares[point.place[0]] * potential(point.det)[0]).sum();
-        (sum, narrow)
+    /// Returns the mean potential and the penalised points.
+    pub(super) fn energy(&self, handles: &[[f64; D]]) -> (f64, Vec<PenalisedPoint<D>>) {
+        let penalised = self.penalised_points(handles);
+        let sum: f64 = penalised.iter().map(|point| self.shares[point.place[0]] * potential(point.det)[0]).sum();
+        (sum, penalised)
     }
 
     /// Subtracts `scale` times half the derivative of the energy from `right_side`.
-    pub(super) fn subtract_derivative(&self, scale: f64, narrow: &[NarrowPoint<D>], right_side: &mut [[f64; D]]) {
-        for point in narrow {
+    pub(super) fn subtract_derivative(&self, scale: f64, penalised: &[PenalisedPoint<D>], right_side: &mut [[f64; D]]) {
+        for point in penalised {
             let factor = -0.5 * scale * self.shares[point.place[0]] * potential(point.det)[1];
             let by = cofactors(&point.gradient).map(|row| row.map(|x| factor * x));
             for (handle, slope) in self.row(point) {
@@ -138,14 +138,14 @@ impl<const D: usize> BarrierPoints<D> {
     pub(super) fn add_curvature(
         &self,
         scale: f64,
-        narrow: &[NarrowPoint<D>],
+        penalised: &[PenalisedPoint<D>],
         is_convex: bool,
         normal: &mut NormalMatrix,
     ) {
         let mut row: Vec<(usize, f64)> = Vec::new();
-        for point in narrow {
+        for point in penalised {
             let [_, slope, bend] = potential(point.det);
-            for (value, along) in curves(&point.gradient, [slope, bend], is_convex) {
+            for (value, along) in eigen_pairs(&point.gradient, [slope, bend], is_convex) {
                 row.clear();
                 for (handle, gradient) in self.row(point) {
                     row.extend(
@@ -159,7 +159,7 @@ impl<const D: usize> BarrierPoints<D> {
     }
 
     /// Handles that act on a point, with their ∇W.
-    fn row(&self, point: &NarrowPoint<D>) -> impl Iterator<Item = (usize, [f64; D])> {
+    fn row(&self, point: &PenalisedPoint<D>) -> impl Iterator<Item = (usize, [f64; D])> {
         let [block, packet, lane] = point.place;
         let block = &self.weights.blocks[block];
         let coefficients = self.weights.packet(block, packet);

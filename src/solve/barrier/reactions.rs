@@ -49,24 +49,24 @@ impl<'a, const D: usize> Reactions<'a, D> {
 
     /// Sets the multipliers to the forces at a state that was solved without multipliers; they are close to those at the minimum
     /// without the barrier. Adds the fraction `share` of each force to the limit of its row.
-    pub(super) fn start_from(&mut self, handles: &[[f64; D]], share: f64) {
+    pub(super) fn initialise_multipliers(&mut self, handles: &[[f64; D]], share: f64) {
         let rows = self.rows;
         for reaction in &mut self.list {
             reaction.multiplier = [0.0; D];
             reaction.limit += share * norm(&reaction.force(rows, handles));
         }
-        self.advance(handles);
+        self.update_multipliers(handles);
     }
 
     /// Sets the multipliers to the forces at a state, limited to L. Returns the largest residual of the rows that do not give way.
-    pub(super) fn advance(&mut self, handles: &[[f64; D]]) -> f64 {
+    pub(super) fn update_multipliers(&mut self, handles: &[[f64; D]]) -> f64 {
         let (rows, mut farthest) = (self.rows, 0.0_f64);
         for reaction in &mut self.list {
             let force = reaction.force(rows, handles);
             let size = norm(&force);
             if size <= reaction.limit {
                 let (set, place) = place(rows, reaction.row);
-                farthest = farthest.max(norm(&set.miss(place, handles)));
+                farthest = farthest.max(norm(&set.residual(place, handles)));
             }
             let share = if size > reaction.limit { reaction.limit / size } else { 1.0 };
             reaction.multiplier = force.map(|x| share * x);
@@ -75,7 +75,7 @@ impl<'a, const D: usize> Reactions<'a, D> {
     }
 
     /// Whether the force of a row exceeds its limit.
-    pub(super) fn give_way(&self, handles: &[[f64; D]]) -> bool {
+    pub(super) fn any_yields(&self, handles: &[[f64; D]]) -> bool {
         self.list.iter().any(|reaction| norm(&reaction.force(self.rows, handles)) > reaction.limit)
     }
 
@@ -85,18 +85,18 @@ impl<'a, const D: usize> Reactions<'a, D> {
         let mut energy = 0.0;
         for reaction in &self.list {
             let (set, place) = place(self.rows, reaction.row);
-            let miss = set.miss(place, handles);
+            let residual = set.residual(place, handles);
             let force = reaction.force(self.rows, handles);
             let size = norm(&force);
             let is_held = size <= reaction.limit;
             let acting = if is_held { force } else { force.map(|x| x * reaction.limit / size) };
-            energy -= reaction.weight * miss.iter().map(|x| x * x).sum::<f64>();
+            energy -= reaction.weight * residual.iter().map(|x| x * x).sum::<f64>();
             energy += if is_held {
                 size * size / reaction.weight
             } else {
                 (2.0 * size - reaction.limit) * reaction.limit / reaction.weight
             };
-            let excess: [f64; D] = std::array::from_fn(|d| acting[d] - reaction.weight * miss[d]);
+            let excess: [f64; D] = std::array::from_fn(|d| acting[d] - reaction.weight * residual[d]);
             for &(handle, coefficient) in set.row(place) {
                 (0..D).for_each(|d| right_side[handle][d] -= coefficient * excess[d]);
             }
@@ -133,8 +133,8 @@ impl<const D: usize> Reaction<D> {
     /// Force of the row: w s = w (C P − d) + λ.
     fn force(&self, rows: [&LeastSquaresRows<D>; 2], handles: &[[f64; D]]) -> [f64; D] {
         let (set, place) = place(rows, self.row);
-        let miss = set.miss(place, handles);
-        std::array::from_fn(|d| self.weight * miss[d] + self.multiplier[d])
+        let residual = set.residual(place, handles);
+        std::array::from_fn(|d| self.weight * residual[d] + self.multiplier[d])
     }
 }
 

@@ -224,7 +224,7 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
             turned.clear();
             for pair in areas[block.packets.clone()].chunks(2).zip(block.packets.clone().step_by(2)) {
                 let (areas, first) = pair;
-                if self.meter.spend(2 * LANES * D * D * local.len()) {
+                if self.meter.count_and_poll(2 * LANES * D * D * local.len()) {
                     return 0.0;
                 }
                 let packets = [first, first + areas.len() - 1].map(|packet| gradients.packet(block, packet));

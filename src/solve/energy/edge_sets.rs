@@ -45,36 +45,40 @@ pub(crate) struct EdgeSets<const D: usize> {
     edges: Vec<Edge>,
     /// Constant part of the energy, Σ_s Σ w ‖v_i − v_j‖².
     squares: f64,
-    seen: MetricSource<D>,
+    metric_source: MetricSource<D>,
     mean_stiffness: f64,
 }
 
 impl<const D: usize> EdgeSets<D> {
     /// Builds the energy whose sets are the one-rings of the vertices. `edges` are sorted and distinct.
-    pub(crate) fn around_vertices(vertices: EmbeddedVertices<D>, mut edges: Vec<Edge>, seen: MetricSource<D>) -> Self {
+    pub(crate) fn around_vertices(
+        vertices: EmbeddedVertices<D>,
+        mut edges: Vec<Edge>,
+        metric_source: MetricSource<D>,
+    ) -> Self {
         edges.retain(|edge| edge.weight != 0.0);
         let one_rings = OneRings::new(&vertices.rest, &edges);
         edges.iter_mut().for_each(|edge| edge.weight *= 2.0);
-        Self::of_sets(vertices, Sets::OneRings(one_rings), edges, seen)
+        Self::of_sets(vertices, Sets::OneRings(one_rings), edges, metric_source)
     }
 
     /// Builds the energy of general sets. `members` are sorted by ends, then by set; each pair of edge and set occurs once.
-    pub(crate) fn new(vertices: EmbeddedVertices<D>, members: &[SetEdge], seen: MetricSource<D>) -> Self {
+    pub(crate) fn new(vertices: EmbeddedVertices<D>, members: &[SetEdge], metric_source: MetricSource<D>) -> Self {
         let sum = |same: &[SetEdge]| same.iter().map(|member| member.weight).sum();
         let edges = members.chunk_by(|a, b| a.ends == b.ends);
         let edges = edges.map(|same| Edge { ends: same[0].ends, weight: sum(same) }).collect();
         let packets = EdgeSetPackets::new(&vertices.rest, members);
-        Self::of_sets(vertices, Sets::Any(packets), edges, seen)
+        Self::of_sets(vertices, Sets::Any(packets), edges, metric_source)
     }
 
-    fn of_sets(vertices: EmbeddedVertices<D>, sets: Sets<D>, edges: Vec<Edge>, seen: MetricSource<D>) -> Self {
+    fn of_sets(vertices: EmbeddedVertices<D>, sets: Sets<D>, edges: Vec<Edge>, metric_source: MetricSource<D>) -> Self {
         let squares = edges.iter().map(|edge| {
             let [i, j] = edge.ends.map(|end| &vertices.rest[end as usize]);
             let side = minus(i, j);
             edge.weight * dot(&side, &side)
         });
         let squares = squares.sum();
-        Self { vertices, sets, edges, squares, seen, mean_stiffness: 1.0 }
+        Self { vertices, sets, edges, squares, metric_source, mean_stiffness: 1.0 }
     }
 
     /// Sets the mean stiffness that the weights contain. The mass is divided by it, so that stiff parts do not soften the rest.
@@ -84,11 +88,11 @@ impl<const D: usize> EdgeSets<D> {
 
     /// Returns the best rotation of every set for moved vertices.
     pub(crate) fn rotations(&self, moved: &[[f64; D]]) -> Vec<SquareMatrix<D>> {
-        self.turn(moved).0
+        self.rotations_and_energy(moved).0
     }
 
     /// Returns the best rotations, and the energy under them without its constant part `squares`.
-    fn turn(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
+    fn rotations_and_energy(&self, moved: &[[f64; D]]) -> (Vec<SquareMatrix<D>>, f64) {
         match &self.sets {
             Sets::OneRings(one_rings) => one_rings.rotations(moved),
             Sets::Any(packets) => packets.rotations(moved),
@@ -167,7 +171,7 @@ impl<const D: usize> Distortion<D> for EdgeSets<D> {
     }
 
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], _cancel: &Cancel) -> f64 {
-        let (rotations, gain) = self.turn(&self.vertices.moved(handles));
+        let (rotations, gain) = self.rotations_and_energy(&self.vertices.moved(handles));
         let values = match &self.sets {
             Sets::OneRings(one_rings) => one_rings.right_side(&rotations),
             Sets::Any(packets) => packets.right_side(&rotations, self.vertices.rest.len()),
@@ -186,7 +190,7 @@ impl<const D: usize> Distortion<D> for EdgeSets<D> {
     }
 
     fn metrics(&self, handles: &[[f64; D]]) -> DistortionMetrics {
-        let triangles = match &self.seen {
+        let triangles = match &self.metric_source {
             MetricSource::Triangles(triangles) => triangles,
             MetricSource::Samples(area) => return area.metrics(handles),
         };

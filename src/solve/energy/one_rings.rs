@@ -4,7 +4,7 @@
 //! In: edges; moved vertices. Out: the best rotation of every vertex, and the right-hand side.
 
 use super::mesh_edges::Edge;
-use super::packets::{Ids, add_edge, points_of, rotate, rotations_of, slot_starts};
+use super::packets::{Ids, add_edge, best_rotations, points_of, rotations_of, slot_starts};
 use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, apply, dot, minus};
 use pulp::{Simd, WithSimd};
@@ -108,7 +108,7 @@ impl<const D: usize> WithSimd for Rotations<'_, D> {
                 let square = add_edge(simd, &slot.edge, ends, &mut sums);
                 squares = multiply_add(simd, load::<S>(&slot.weight), square, squares);
             }
-            gain += rotate(simd, &sums, rotations);
+            gain += best_rotations(simd, &sums, rotations);
         }
         rotations.truncate(one_rings.count);
         (rotations, store::<S>(squares).iter().sum::<f64>() - 2.0 * gain)

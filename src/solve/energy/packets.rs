@@ -82,7 +82,7 @@ pub(super) fn rotations_of<S: Simd, const D: usize>(
 
 /// Finds the rotations R that maximise tr(R S) for four matrices S, and returns the sum of these traces.
 #[inline(always)]
-pub(super) fn rotate<S: Simd, const D: usize>(
+pub(super) fn best_rotations<S: Simd, const D: usize>(
     simd: S,
     sums: &[[S::f64s; D]; D],
     rotations: &mut [SquareMatrix<D>],

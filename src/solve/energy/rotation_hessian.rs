@@ -69,7 +69,7 @@ impl<const D: usize> WithSimd for SubtractRotationHessian<'_, D> {
                 );
                 continue;
             }
-            if meter.spend(LANES * block.packets.len() * rows.len() * rows.len() / 2) {
+            if meter.count_and_poll(LANES * block.packets.len() * rows.len() * rows.len() / 2) {
                 return;
             }
             gram.clear(rows.len());

@@ -104,7 +104,7 @@ impl WithSimd for Factorisation<'_> {
                     return false;
                 }
                 let touched = (height * stride).min(below.len());
-                if meter.spend(PANEL * touched) {
+                if meter.count_and_poll(PANEL * touched) {
                     return false;
                 }
                 for (pair, targets) in below[..touched].chunks_exact_mut(2 * stride).enumerate() {

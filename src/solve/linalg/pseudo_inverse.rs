@@ -57,7 +57,7 @@ impl PseudoInverse {
                     dropped.iter_mut().zip(column).for_each(|(slot, x)| *slot += factor * x);
                 }
             }
-            if meter.spend(size * size) {
+            if meter.count_and_poll(size * size) {
                 return Err(Cancelled);
             }
         }
@@ -106,7 +106,7 @@ fn inverse_of_well_conditioned(
         for (k, row) in rows.chunks_exact_mut(size).enumerate() {
             row.iter_mut().zip(&x).for_each(|(slot, x)| *slot = x[k]);
         }
-        if meter.spend(BATCH * size * size) {
+        if meter.count_and_poll(BATCH * size * size) {
             return Err(Cancelled);
         }
     }

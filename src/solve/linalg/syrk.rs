@@ -113,7 +113,7 @@ impl PackedPanels {
         let wide = self.wide.chunks_exact(self.depth * WIDE).take(self.width.div_ceil(WIDE));
         for (number, a) in wide.enumerate() {
             let column = number * WIDE;
-            if meter.spend(self.depth * WIDE * (self.width - column)) {
+            if meter.count_and_poll(self.depth * WIDE * (self.width - column)) {
                 return;
             }
             let tall = self.tall.chunks_exact(self.depth * TALL).take(self.width.div_ceil(TALL));

@@ -6,7 +6,7 @@
 //!
 //! In: grid and pins; the shape is not used. Out: handles.
 
-use super::held;
+use super::constraint_rows;
 use super::least_squares;
 use super::{Deformed, Deformer};
 use crate::solve::error::SolveError;
@@ -39,7 +39,7 @@ impl<const D: usize> Deformer<D> for Hsu {
 
     fn deform(&self, problem: &Problem<D>) -> Result<Deformed<D>, SolveError> {
         validate::problem(problem)?;
-        let [pins, moved] = held(problem);
+        let [pins, moved] = constraint_rows(problem);
         let mut rest = LeastSquaresRows::new();
         for index in 0..problem.grid.handle_count() {
             if problem.handles.iter().all(|handle| handle.index != index) {

@@ -87,6 +87,6 @@ fn least_squares<const D: usize>(
 }
 
 /// Returns the rows of the problem's pins and those of its moved handles.
-fn held<const D: usize>(problem: &Problem<D>) -> [LeastSquaresRows<D>; 2] {
+fn constraint_rows<const D: usize>(problem: &Problem<D>) -> [LeastSquaresRows<D>; 2] {
     [pins::pin_rows(problem.grid, problem.pins, problem.settings), pins::handle_rows(problem.handles)]
 }

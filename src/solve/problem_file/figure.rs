@@ -8,7 +8,7 @@ use super::job;
 use crate::lattice::Grid;
 use crate::solve::problem::{HandlePin, PointPin, Problem, Shape};
 use crate::solve::settings::Settings;
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use std::path::Path;
 
 /// A figure in 2D or 3D.
@@ -102,7 +102,7 @@ fn figure<const D: usize>(file: &ProblemFile) -> Result<Figure<D>, ProblemError>
     let parts = file.parts.iter().enumerate().map(|(k, raw)| part(k, raw)).collect::<Result<Vec<_>, _>>()?;
     let colored: usize = parts.iter().map(|part| part.triangles).sum();
     if !parts.is_empty() && colored != shape.triangles.len() {
-        let colored = counted(colored, "triangle", "triangles");
+        let colored = pluralised(colored, "triangle", "triangles");
         let what = format!("count {colored}, the shape has {}", shape.triangles.len());
         return Err(ProblemError::key("parts", what, "let their `triangles` add up to all"));
     }

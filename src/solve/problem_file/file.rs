@@ -8,7 +8,7 @@ use crate::solve::settings::{
     DuplicateVertices, EdgeWeights, Energy, Lambdas, OutsidePins, PinHold, Regularizer, Sampling, Scaling, Settings,
     Start,
 };
-use crate::spelling::counted;
+use crate::spelling::pluralised;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -144,7 +144,7 @@ impl ProblemFile {
         if axes == 2 || axes == 3 {
             return Ok(axes);
         }
-        Err(ProblemError::key("dims", format!("has {}", counted(axes, "entry", "entries")), "give two or three"))
+        Err(ProblemError::key("dims", format!("has {}", pluralised(axes, "entry", "entries")), "give two or three"))
     }
 
     /// Number of handles per axis; by default ten in 2D, five in 3D.
@@ -233,8 +233,8 @@ impl ProblemFile {
 /// Converts a list to a point, or returns an error that names the key.
 pub(super) fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], ProblemError> {
     <[f64; D]>::try_from(values).map_err(|_| {
-        let given = counted(values.len(), "coordinate", "coordinates");
-        ProblemError::key(key(), format!("has {given}"), format!("give {D}, as `dims` has"))
+        let given = pluralised(values.len(), "coordinate", "coordinates");
+        ProblemError::key(key(), format!("has {given}"), format!("give {D} coordinates, one per entry of `dims`"))
     })
 }
 

@@ -133,7 +133,7 @@ fn corners<const D: usize>(raw: &RawPin, k: usize, shape: &Shape<D>) -> Result<V
         },
         _ => Err(ProblemError::key(
             format!("pins[{k}]"),
-            "does not say what it holds",
+            "does not name a point to hold",
             "give one of `vertex`, `point`, or `triangle` with `bary`",
         )),
     }

@@ -48,16 +48,16 @@ impl<const D: usize> System<D> {
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let minimization = self.minimization(targets, cancel);
         let first = match &mut observe {
-            Some(observe) => minimization.run_freely(Some(&mut **observe))?,
-            None => minimization.run_freely(None)?,
+            Some(observe) => minimization.run_without_barrier(Some(&mut **observe))?,
+            None => minimization.run_without_barrier(None)?,
         };
         if !minimization.has_second_derivative() || self.settings().start == Start::Rest || !first.is_converged {
-            return minimization.kept_clear(first, None);
+            return minimization.with_barrier(first, None);
         }
         let mut search = Search::new(self, targets, &minimization, first);
-        search.look_around()?;
+        search.try_other_starts()?;
         let found = search.settled()?;
-        let result = minimization.kept_clear(found, None)?;
+        let result = minimization.with_barrier(found, None)?;
         if let Some(observe) = observe {
             observe(minimization.energies(&result.handles, &result.handles));
         }
@@ -68,7 +68,7 @@ impl<const D: usize> System<D> {
 impl<const D: usize> System<D> {
     /// Checks a state that was reached from a previous one. Returns a lower state beside it if it is a saddle, else the state
     /// itself.
-    pub(crate) fn off_saddles(
+    pub(crate) fn leave_saddle(
         &self,
         followed: MinimizationResult<D>,
         (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
@@ -83,7 +83,7 @@ impl<const D: usize> System<D> {
         let before = followed.handles.clone();
         let mut search = Search::new(self, &targets, &minimization, followed);
         search.rounds.clear();
-        Ok(minimization.kept_clear(search.settled()?, Some(&before))?)
+        Ok(minimization.with_barrier(search.settled()?, Some(&before))?)
     }
 }
 
@@ -125,7 +125,7 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 
     /// Solves from the start states, round after round while a round finds new minima.
-    fn look_around(&mut self) -> Result<(), Cancelled> {
+    fn try_other_starts(&mut self) -> Result<(), Cancelled> {
         for starts in std::mem::take(&mut self.rounds) {
             let before = self.known.len();
             for from in starts {
@@ -146,7 +146,7 @@ impl<'a, const D: usize> Search<'a, D> {
         let (mut from, mut iterations) = (from.to_vec(), 0);
         for time in 0..times {
             let near = Minimization { settings: &coarse, final_phase: FinalPhase::LocalGlobal, ..problem.from(&from) };
-            let near = near.run_freely(None)?;
+            let near = near.run_without_barrier(None)?;
             iterations += near.iterations;
             let is_hopeless = time > 0 && problem.energy(&near.handles) > HOPELESS * self.known[0].0;
             if is_hopeless || self.is_known(&near.handles) {
@@ -157,7 +157,7 @@ impl<'a, const D: usize> Search<'a, D> {
                 break;
             }
         }
-        let found = problem.from(&from).run_freely(None)?;
+        let found = problem.from(&from).run_without_barrier(None)?;
         if found.is_converged {
             self.note(MinimizationResult { iterations: iterations + found.iterations, ..found });
         }
@@ -215,7 +215,7 @@ impl<'a, const D: usize> Search<'a, D> {
         self.known[0].0 = f64::INFINITY;
         let first = if self.side.of(&along) < 0.0 { -1.0 } else { 1.0 };
         for sign in [first, -first] {
-            let found = problem.from(&sum(&saddle, &along, sign)).run_freely(None)?;
+            let found = problem.from(&sum(&saddle, &along, sign)).run_without_barrier(None)?;
             if found.is_converged && problem.energy(&found.handles) < before {
                 self.note(found);
             }

@@ -32,7 +32,7 @@ type Vectors<const D: usize> = Vec<[f64; D]>;
 
 /// A direction with its products with K and H.
 #[derive(Clone)]
-struct Tested<const D: usize> {
+struct Direction<const D: usize> {
     by: Vectors<D>,
     constant: Vectors<D>,
     second: Vectors<D>,
@@ -49,8 +49,8 @@ impl<const D: usize> Minimization<'_, D> {
     /// Returns a displacement from a saddle to a lower state; `None` if the energy falls along no direction.
     pub(super) fn descent_direction(&self, handles: &[[f64; D]]) -> Result<Option<Vectors<D>>, Cancelled> {
         let second = self.second_derivative(handles);
-        let mut direction = self.tested(self.projected(generic(handles.len())), &second);
-        let mut last: Option<Tested<D>> = None;
+        let mut direction = self.with_products(self.projected(generic(handles.len())), &second);
+        let mut last: Option<Direction<D>> = None;
         let mut least = f64::INFINITY;
         for _ in 0..STEPS {
             self.cancel.check()?;
@@ -61,8 +61,8 @@ impl<const D: usize> Minimization<'_, D> {
             }
             least = curvature;
             let residual = combined(&direction.second, 1.0, &direction.constant, -curvature);
-            let step = self.tested(self.projected(residual), &second);
-            let basis: Vec<Tested<D>> = [Some(direction.clone()), Some(step), last].into_iter().flatten().collect();
+            let step = self.with_products(self.projected(residual), &second);
+            let basis: Vec<Direction<D>> = [Some(direction.clone()), Some(step), last].into_iter().flatten().collect();
             let Some(next) = lowest(basis) else { break };
             last = Some(next.minus(&direction));
             direction = next;
@@ -105,16 +105,16 @@ impl<const D: usize> Minimization<'_, D> {
         residual
     }
 
-    fn tested(&self, by: Vectors<D>, second: &NormalMatrix) -> Tested<D> {
+    fn with_products(&self, by: Vectors<D>, second: &NormalMatrix) -> Direction<D> {
         let (mut constant, mut image) = (vec![[0.0; D]; by.len()], vec![[0.0; D]; by.len()]);
         self.normal.subtract_matvec(&by, &mut constant);
         second.subtract_matvec(by.as_flattened().as_chunks::<1>().0, image.as_flattened_mut().as_chunks_mut::<1>().0);
         let negative = |vectors: Vectors<D>| vectors.into_iter().map(|x| x.map(|x| -x)).collect();
-        Tested { by, constant: negative(constant), second: negative(image) }
+        Direction { by, constant: negative(constant), second: negative(image) }
     }
 }
 
-impl<const D: usize> Tested<D> {
+impl<const D: usize> Direction<D> {
     /// Scales the direction so that ⟨v, K v⟩ = 1.
     fn scaled(self) -> Self {
         let factor = 1.0 / dot(&self.by, &self.constant).sqrt();
@@ -136,8 +136,8 @@ impl<const D: usize> Tested<D> {
 }
 
 /// Returns the direction of least curvature among the linear combinations of up to three.
-fn lowest<const D: usize>(basis: Vec<Tested<D>>) -> Option<Tested<D>> {
-    let mut orthonormal: Vec<Tested<D>> = Vec::new();
+fn lowest<const D: usize>(basis: Vec<Direction<D>>) -> Option<Direction<D>> {
+    let mut orthonormal: Vec<Direction<D>> = Vec::new();
     for mut direction in basis {
         let length = dot(&direction.by, &direction.constant).sqrt();
         for _ in 0..2 {

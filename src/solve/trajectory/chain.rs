@@ -386,8 +386,9 @@ impl<const D: usize> Between<'_, D> {
         let tolerance = EVEN * self.coupling.least_speed;
         let ends = [&knot.displacement, &next.displacement];
         let mut interval = Interval::new(ends, &probe, tolerance, if is_convex { 0 } else { LEAST_DEPTH });
-        let mut doubled = (0..DOUBLINGS).map(|times| initial * 2_f64.powi(times));
-        doubled.find(|&weight| interval.is_continuous(weight)).unwrap_or(initial)
+        let weight = |doublings: i32| initial * 2_f64.powi(doublings);
+        let doublings = least(DOUBLINGS, |doublings| interval.is_continuous(weight(doublings)));
+        doublings.map_or(initial, weight)
     }
 
     /// The speed hardly changes at the ends of an interval.
@@ -400,5 +401,43 @@ impl<const D: usize> Between<'_, D> {
             _ => true,
         };
         is_steady(index) && is_steady(index + 1)
+    }
+}
+
+/// The least number from 0 to `limit` that holds, if all above it do; `None` if `limit` does not. Galloping, then bisection.
+fn least(limit: i32, mut holds: impl FnMut(i32) -> bool) -> Option<i32> {
+    if holds(0) {
+        return Some(0);
+    }
+    let [mut below, mut found] = [0, 1];
+    while !holds(found) {
+        if found == limit {
+            return None;
+        }
+        [below, found] = [found, (2 * found).min(limit)];
+    }
+    while found - below > 1 {
+        let middle = i32::midpoint(below, found);
+        *if holds(middle) { &mut found } else { &mut below } = middle;
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::least;
+
+    #[test]
+    fn the_least_number_that_holds_is_found_with_few_questions() {
+        for wanted in 0..=16 {
+            let mut asked = 0;
+            let found = least(16, |number| {
+                asked += 1;
+                number >= wanted
+            });
+            assert_eq!(found, Some(wanted));
+            assert!(asked <= 9, "{asked} questions for {wanted}");
+        }
+        assert_eq!(least(16, |_| false), None);
     }
 }

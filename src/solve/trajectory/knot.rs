@@ -121,7 +121,7 @@ impl<const D: usize> Knot<D> {
 
     /// Solves for this time alone, as a frame without neighbours is solved.
     pub(crate) fn solve_alone(&mut self, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
-        self.system.draw_points([], 0.0, cancel)?;
+        self.system.set_proximal_targets([], 0.0, cancel)?;
         let result = match self.system.follow_winding(&self.path, cancel)? {
             Some(result) => result,
             None => self.system.least(&self.system.own_targets(), None, cancel)?,
@@ -139,7 +139,7 @@ impl<const D: usize> Knot<D> {
     ) -> Result<MinimizationResult<D>, SolveError> {
         let places = self.rigid.points.iter().zip(points);
         let places = places.map(|(rigid, by)| std::array::from_fn(|d| rigid[d] + by[d]));
-        self.system.draw_points(places, weight, cancel)?;
+        self.system.set_proximal_targets(places, weight, cancel)?;
         let initial = self.handles();
         let targets = self.system.own_targets();
         let minimization = self.system.minimization(&targets, cancel);

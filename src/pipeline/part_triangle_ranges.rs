@@ -4,7 +4,7 @@ use super::PinAnchor;
 
 /// The index ranges of a part's triangles in the shape of its layer.
 #[derive(Clone, Debug)]
-pub(super) struct PartStarts {
+pub(super) struct PartTriangleRanges {
     /// Index into the pose's parts.
     pub(super) part: usize,
     /// #triangles + 1: index of the first triangle of the shape that comes from each triangle of the part. After
@@ -13,7 +13,7 @@ pub(super) struct PartStarts {
 }
 
 /// Returns the triangle of the shape to which a pin is attached.
-pub(super) fn held_triangle(anchor: &PinAnchor, parts: &[PartStarts]) -> Option<u32> {
+pub(super) fn held_triangle(anchor: &PinAnchor, parts: &[PartTriangleRanges]) -> Option<u32> {
     let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
     let starts = &parts.iter().find(|own| own.part == part)?.starts;
     let [start, end] = [*starts.get(triangle)?, *starts.get(triangle + 1)?];

@@ -5,7 +5,7 @@
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
-use super::mail::{Inbox, Job, Loaded, Mail, Purpose, Question, Reply, SolvedFrame, Teller};
+use super::mail::{Inbox, Job, Loaded, Purpose, Question, Queue, Reply, SolvedFrame, Teller};
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
     JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
@@ -30,7 +30,7 @@ const LOOK_MS: f64 = 80.0;
 const WATCH: Duration = Duration::from_secs(1);
 
 /// Loads, solves and draws.
-pub(super) struct Studio {
+pub(super) struct FrameWorker {
     choice: DeviceChoice,
     open: Option<OpenShot>,
     device: Option<Box<dyn Raster + Send>>,
@@ -51,7 +51,7 @@ enum Task {
     Over,
 }
 
-impl Studio {
+impl FrameWorker {
     pub(super) fn new(choice: DeviceChoice) -> Self {
         let (open, device, drag, seen) = (None, None, None, None);
         Self {
@@ -158,7 +158,7 @@ impl Studio {
         }
     }
 
-    /// Draws a draft, then the rendered frame. Returns false if newer mail interrupted it.
+    /// Draws a draft, then the rendered frame. Returns false if a newer message interrupted it.
     fn look(
         &mut self,
         job: &Job,
@@ -181,7 +181,7 @@ impl Studio {
         let Some(open) = &self.open else { return Ok(false) };
         let prepared = open.prepared();
         if !was_settled {
-            if !prepared.settle(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
+            if !prepared.solve_trajectories(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
                 return Ok(false);
             }
             teller.tell(Reply::Progress(1.0));
@@ -306,35 +306,35 @@ fn wanted_shot(job: &Job) -> Shot {
 
 /// Puts back a job that a question interrupted, unless there is a newer one.
 fn put_back(inbox: &Inbox, job: Job) {
-    let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
-    if mail.job.is_none() {
-        mail.job = Some(job);
+    let mut queue = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
+    if queue.job.is_none() {
+        queue.job = Some(job);
     }
 }
 
 /// Waits for a task. Questions come first, because the user is waiting with the pointer pressed.
 fn next(inbox: &Inbox, open: &mut Option<OpenShot>) -> Task {
-    let mut mail = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut queue = inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
     loop {
-        if mail.is_over {
+        if queue.is_over {
             return Task::Over;
         }
-        if std::mem::take(&mut mail.is_stale) {
+        if std::mem::take(&mut queue.is_stale) {
             *open = None;
         }
         if open.is_some()
-            && let Some(question) = mail.questions.pop_front()
+            && let Some(question) = queue.questions.pop_front()
         {
             return Task::Answer(question);
         }
-        let Mail { job, .. } = &mut *mail;
+        let Queue { job, .. } = &mut *queue;
         if let Some(job) = job.take() {
             return Task::Job(job, inbox.newest.load(Ordering::Acquire));
         }
-        let (next, waited) = inbox.changed.wait_timeout(mail, WATCH).unwrap_or_else(PoisonError::into_inner);
+        let (next, waited) = inbox.changed.wait_timeout(queue, WATCH).unwrap_or_else(PoisonError::into_inner);
         if waited.timed_out() {
             return Task::Watch;
         }
-        mail = next;
+        queue = next;
     }
 }
