@@ -2,8 +2,8 @@
 //!
 //! In: [`LabelledPiece`]s and a time. Out: a label and a nearness per pixel. Transparent surfaces count as opaque.
 
-use super::super::{PreparedShot, TimeSample};
 use super::labels::{LabelledPiece, interpolated};
+use crate::pipeline::{PreparedShot, TimeSample};
 use crate::screen::{primitive, project};
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
 use glam::Vec2;

@@ -2,9 +2,9 @@
 //!
 //! In: a solved [`TimeSample`] and its neighbours. Out: [`LabelledPieces`].
 
-use super::super::part_order::{OrderedPart, OrderedParts};
-use super::super::part_triangle_ranges::PartTriangleRanges;
-use super::super::{PreparedShot, TimeSample};
+use crate::pipeline::evaluate::part_order::{OrderedPart, OrderedParts};
+use crate::pipeline::evaluate::part_triangle_ranges::PartTriangleRanges;
+use crate::pipeline::{PreparedShot, TimeSample};
 use crate::screen::{Projected, ScreenMesh, clip_near, primitive};
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;

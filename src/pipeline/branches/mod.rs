@@ -9,11 +9,11 @@ mod drawn_pieces;
 mod labels;
 mod shares;
 
-use super::part_order::{OrderedPart, OrderedParts};
-use super::passes::{PassPlan, mid_shutter, plan_passes};
-use super::{PreparedShot, TimeSample};
 use crate::export::LatticeBranches;
 use crate::lattice::ScreenLattice;
+use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
+use crate::pipeline::evaluate::part_order::{OrderedPart, OrderedParts};
+use crate::pipeline::{PreparedShot, TimeSample};
 use crate::plate::{Coverage, Field, SharedParts};
 use crate::raster::PassRole;
 use crate::shot::Shutter;

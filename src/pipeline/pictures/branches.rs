@@ -2,10 +2,10 @@
 //!
 //! In: a [`FlatPicture`], a solved [`BranchedLattice`] and its [`OrderedParts`]. Out: the warped parts, from back to front.
 
-use super::super::part_order::OrderedParts;
 use super::read::{FlatPicture, pictured};
 use crate::image::{Frame, Plate};
 use crate::lattice::ScreenLattice;
+use crate::pipeline::evaluate::part_order::OrderedParts;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 

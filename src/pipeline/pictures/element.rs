@@ -2,10 +2,10 @@
 //!
 //! In: a [`PreparedShot`]. Out: a packed glTF file, with textured cards if the shot has pictures; a shot of one layer.
 
-use super::super::{PipelineError, PreparedShot};
 use super::Gallery;
 use crate::export::gltf::packed_cards;
 use crate::image::{png_bytes, preview};
+use crate::pipeline::{PipelineError, PreparedShot};
 use crate::scene::{FileAccess, Packed, pack};
 use crate::shot::Shot;
 use std::path::PathBuf;

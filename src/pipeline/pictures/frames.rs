@@ -2,12 +2,12 @@
 //!
 //! In: the options of a render. Out: files, events, and a [`Summary`], as from any render.
 
-use super::super::geometry_thread::facts;
-use super::super::passes::{PassPlan, mid_shutter, plan_passes};
-use super::super::write::{Drawn, Writer};
-use super::super::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary, TimeSample};
 use super::paint::Painter;
 use crate::image::{Frame, SequencePath};
+use crate::pipeline::draw::geometry_thread::facts;
+use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
+use crate::pipeline::run::write::{Drawn, Writer};
+use crate::pipeline::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary, TimeSample};
 use crate::raster::{ChannelGroup, DeviceClass, PassRole};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -10,9 +10,9 @@ mod read;
 
 pub(super) use frames::{Wanted, paint_frame, render_pictures, times};
 
-use super::PipelineError;
 use crate::image::{ImageError, PictureExtent, Storage, picture_extent, read_any};
 use crate::memory;
+use crate::pipeline::PipelineError;
 use crate::scene::{Picture, Scene, picture_cards};
 use crate::shot::Shot;
 use crate::space::FrameSize;

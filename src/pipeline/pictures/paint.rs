@@ -2,13 +2,13 @@
 //!
 //! In: a [`Gallery`] and solved samples. Out: a [`Frame`]. Where nothing moves, samples keep their bits.
 
-use super::super::part_order::OrderedParts;
-use super::super::{PreparedShot, TimeSample};
 use super::branches::{PartMap, warped_branches};
 use super::read::CHANNELS;
 use super::{FlatPicture, Gallery};
 use crate::image::{Channel, Frame, Plate, Storage};
 use crate::lattice::ScreenLattice;
+use crate::pipeline::evaluate::part_order::OrderedParts;
+use crate::pipeline::{PreparedShot, TimeSample};
 use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, WarpSettings, warp_plate};
 use crate::raster::ChannelGroup;
 use crate::solve::{BranchedLattice, Solution};

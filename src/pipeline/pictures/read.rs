@@ -2,8 +2,8 @@
 //!
 //! In: a plate. Out: a [`FlatPicture`] for each of its colour layers, as a plate of its own.
 
-use super::super::PipelineError;
 use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
+use crate::pipeline::PipelineError;
 use crate::plate::{ColorLayer, Filter, Planes, WarpMap, color_layers, resampled};
 use crate::scene::Picture;
 use crate::shot::Shot;

@@ -3,9 +3,9 @@
 //! In: a [`PreparedShot`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render
 //! of the shot gives to the remaining layers.
 
-use super::super::draw::draw_frame;
-use super::super::{PipelineError, PreparedShot};
 use crate::image::{Frame, FrameMetadata};
+use crate::pipeline::draw::draw_frame;
+use crate::pipeline::{PipelineError, PreparedShot};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Raster};
 use crate::scene::Scene;
 use crate::shot::Shot;

@@ -3,10 +3,10 @@
 //! In: a [`PreparedShot`] and a plate. Out: one matte per layer, from a Cryptomatte of the plate that contains the
 //! nodes, or else rendered from the scene at rest.
 
-use super::super::{LayerAssignment, PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::image::cryptomatte::clean_name;
+use crate::pipeline::{LayerAssignment, PipelineError, PreparedShot};
 use crate::plate::{Matte, WarpSettings, coverage_of, mattes_of_names};
 use crate::raster::{ChannelGroup, DeviceChoice, MATTE_LAYERS};
 use crate::shot::{LayerSpace, Source, Unmatted};

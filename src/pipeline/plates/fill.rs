@@ -2,9 +2,9 @@
 //!
 //! In: a shot with a scene, and the layers with mattes. Out: the unwarped scene of a frame without those layers.
 
-use super::super::{PipelineError, PreparedShot};
 use super::at_rest::SceneAtRest;
 use crate::image::Plate;
+use crate::pipeline::{PipelineError, PreparedShot};
 use crate::plate::{WarpSettings, has_cryptomattes};
 use crate::raster::geometry::Submesh;
 use crate::raster::{ChannelGroup, DeviceChoice};

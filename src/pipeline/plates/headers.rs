@@ -2,10 +2,10 @@
 //!
 //! In: a [`WarpJob`], its sequences, frames. Out: notes, or the error that every frame would cause.
 
-use super::super::PipelineError;
 use super::{PlateWarp, WarpJob};
 use crate::files::check_regular;
 use crate::image::{Plate, SequencePath, read_any_head};
+use crate::pipeline::PipelineError;
 use crate::plate::{Matte, check_plate, check_stmap};
 use crate::space::FrameSize;
 use std::path::Path;

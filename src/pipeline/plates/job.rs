@@ -1,9 +1,9 @@
 //! The options, events and reports of a warp of finished frames.
 
-use super::super::events::lossy;
-use super::super::{Existing, PreparedShot, Redone};
 use crate::export::LatticeFile;
 use crate::image::Durability;
+use crate::pipeline::run::events::lossy;
+use crate::pipeline::{Existing, PreparedShot, Redone};
 use crate::plate::{ChannelReport, Matte, WarpSettings};
 use crate::raster::DeviceChoice;
 use serde::Serialize;

@@ -21,9 +21,9 @@ mod write;
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
 pub use silhouette::Silhouette;
 
-use super::PipelineError;
-use super::resume::Todo;
-use super::solve_ahead::solve_before_frames;
+use crate::pipeline::PipelineError;
+use crate::pipeline::run::resume::Todo;
+use crate::pipeline::trajectories::solve_ahead::solve_before_frames;
 use crate::plate::Warper;
 use crate::raster;
 use plan::Plan;

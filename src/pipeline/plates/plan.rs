@@ -2,17 +2,17 @@
 //!
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
-use super::super::contents::FrameDigests;
-use super::super::output::input_files;
-use super::super::resume::{Todo, refuse_existing};
-use super::super::topology::check_plain;
-use super::super::{Existing, PipelineError, PreparedShot};
 use super::headers::{self, Sources};
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{
     Depth, Expected, ImageError, Inputs, PictureKind, SequencePath, StaleReason, check_kept, is_there, picture_size,
 };
+use crate::pipeline::evaluate::topology::check_plain;
+use crate::pipeline::run::contents::FrameDigests;
+use crate::pipeline::run::output::input_files;
+use crate::pipeline::run::resume::{Todo, refuse_existing};
+use crate::pipeline::{Existing, PipelineError, PreparedShot};
 use crate::plate::Holes;
 use crate::shot::{LayerSpace, Unmatted, digest};
 use crate::spelling;

@@ -2,10 +2,10 @@
 //!
 //! In: a [`Plan`]. Out: [`Loaded`] frames, one after the other.
 
-use super::super::PipelineError;
 use super::plan::Plan;
 use crate::image::{ImageError, PictureExtent, Plate, SequencePath, picture_extent, read_any};
 use crate::memory::{self, Reservation};
+use crate::pipeline::PipelineError;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;

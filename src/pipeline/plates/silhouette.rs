@@ -2,9 +2,9 @@
 //!
 //! In: a [`PreparedShot`]. Out: the [`Coverage`] of a frame: of the model of a scene, or the alpha of pictures or of a plate.
 
-use super::super::{Exposure, PipelineError, PreparedShot, fields_of};
 use super::at_rest::SceneAtRest;
 use crate::image::{Frame, SequencePath, read_any};
+use crate::pipeline::{Exposure, PipelineError, PreparedShot, fields_of};
 use crate::plate::{Coverage, SharedParts, color_layers};
 use crate::raster::{ChannelGroup, DeviceChoice};
 use crate::space::FrameSize;

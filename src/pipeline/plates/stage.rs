@@ -2,8 +2,6 @@
 //!
 //! In: [`Loaded`] frames. Out: [`Warped`] frames.
 
-use super::super::time_sample::ScreenWarp;
-use super::super::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
 use super::headers::check_shape;
@@ -13,6 +11,8 @@ use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
+use crate::pipeline::evaluate::time_sample::ScreenWarp;
+use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
 use crate::plate::{Field, Holes, LayerJob, Matte, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
 use crate::solve::Solution;
 use crate::space::FrameSize;

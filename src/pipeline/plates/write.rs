@@ -2,12 +2,12 @@
 //!
 //! In: [`Warped`] plates. Out: files, events, counts.
 
-use super::super::PipelineError;
-use super::super::frame_record::FrameRecord;
 use super::plan::Plan;
 use super::{PlateWarp, WarpEvent, WarpJob, WarpReport, WarpSummary};
 use crate::image::{Destination, Durability, FrameMetadata, Plate, write_any};
 use crate::memory::Reservation;
+use crate::pipeline::PipelineError;
+use crate::pipeline::run::frame_record::FrameRecord;
 use crate::plate::ChannelReport;
 use crate::raster::DeviceClass;
 use std::sync::mpsc::Receiver;

@@ -1,0 +1,185 @@
+//! Geometry thread of a render: poses, solves, and builds the geometry of every pass.
+//!
+//! In: frame numbers. Out: a [`FrameJob`] for each frame, whose passes are built while the frame is being drawn.
+
+use super::overlay;
+use super::report::report;
+use crate::image::CameraMatrices;
+use crate::pipeline::prepare::lighting;
+use crate::pipeline::{FrameReport, JerkMeter, PipelineError, PreparedShot, TimeSample, plan_passes};
+use crate::raster::geometry::{self, Assembly, PartWarp, assemble};
+use crate::raster::{ChannelGroup, Geometry, PassRole};
+use glam::Vec2;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Instant;
+
+/// Number of finished passes that may wait to be drawn.
+const QUEUED_PASSES: usize = 2;
+
+/// Number of triangles above which passes are handed over one by one, because each waiting pass holds its geometry.
+const MANY_TRIANGLES: usize = 500_000;
+
+/// Width of lines in frame heights: two pixels at 1080 lines. Smaller frames draw lines at least one pixel wide.
+const LINE_WIDTH: f64 = 1.0 / 540.0;
+
+/// One frame to draw.
+pub(crate) struct FrameJob {
+    /// Frame number.
+    pub(crate) frame: i32,
+    /// All passes in the order of the plan, repeated for every tile; or the error that ended the frame.
+    pub(crate) passes: Receiver<Result<BuiltPass, PipelineError>>,
+    /// The results of solving, for the frame's file and the user; sent after the last pass.
+    pub(crate) facts: Receiver<FrameFacts>,
+}
+
+/// The results of solving a frame.
+pub(crate) struct FrameFacts {
+    pub(crate) report: FrameReport,
+    pub(crate) picture: Option<overlay::Picture>,
+    pub(crate) camera: CameraMatrices,
+}
+
+/// One pass to draw.
+pub(crate) struct BuiltPass {
+    pub(crate) geometry: Arc<Geometry>,
+    pub(crate) jitter_px: Vec2,
+    pub(crate) role: PassRole,
+}
+
+/// The geometry built last.
+struct Built {
+    /// Time relative to the frame, in frames.
+    time: f64,
+    has_motion: bool,
+    geometry: Arc<Geometry>,
+}
+
+/// Builds the jobs of a render.
+pub(crate) struct GeometryThread<'a> {
+    pub(crate) prepared: &'a PreparedShot,
+    pub(crate) tile_count: usize,
+    pub(crate) has_overlay: bool,
+    pub(crate) cancel: &'a AtomicBool,
+    pub(crate) jerk: JerkMeter,
+}
+
+impl GeometryThread<'_> {
+    /// Builds the jobs of all frames; stops early if cancelled or if drawing has ended.
+    pub(crate) fn run(&mut self, frames: &[i32], jobs: &SyncSender<FrameJob>) {
+        for &frame in frames {
+            let (pass, passes) = sync_channel(self.queued_passes());
+            let (fact, facts) = sync_channel(1);
+            let is_over = self.cancel.load(Ordering::Relaxed) || jobs.send(FrameJob { frame, passes, facts }).is_err();
+            if is_over {
+                return;
+            }
+            // The receiver is gone if the raster failed; the next frame may succeed.
+            if let Err(error) = self.frame(frame, (&pass, &fact)) {
+                let _ = pass.send(Err(error));
+            }
+        }
+    }
+
+    fn frame(
+        &mut self,
+        frame: i32,
+        (pass, fact): (&SyncSender<Result<BuiltPass, PipelineError>>, &SyncSender<FrameFacts>),
+    ) -> Result<(), PipelineError> {
+        let begun = Instant::now();
+        let shot = &self.prepared.shot;
+        let middle = self.prepared.mid_exposure(frame)?;
+        let mut facts = facts(self.prepared, (frame, &middle), self.has_overlay, &mut self.jerk);
+        let mut busy = begun.elapsed();
+        let plan = plan_passes(shot.samples, shot.shutter);
+        let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
+        let mut last: Option<Built> = None;
+        for planned in (0..self.tile_count).flat_map(|_| &plan) {
+            let time = planned.time_frames;
+            let needs_motion = planned.role != PassRole::Beauty && has_motion;
+            let begun = Instant::now();
+            // Geometry that cannot be reused is freed before its replacement is built.
+            last = last.filter(|built| built.time == time && (built.has_motion || !needs_motion));
+            let built = match last.take() {
+                Some(built) => built,
+                None => {
+                    let geometry = Arc::new(self.geometry(f64::from(frame) + time, needs_motion)?);
+                    Built { time, has_motion: needs_motion, geometry }
+                }
+            };
+            busy += begun.elapsed();
+            let geometry = Arc::clone(&last.insert(built).geometry);
+            let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
+            if pass.send(Ok(built)).is_err() {
+                // The raster failed and reports the cause itself.
+                return Ok(());
+            }
+        }
+        facts.report.geometry_ms = busy.as_secs_f64() * 1e3;
+        let _ = fact.send(facts);
+        Ok(())
+    }
+
+    /// Returns the number of passes of a frame that may wait.
+    fn queued_passes(&self) -> usize {
+        let primitives = self.prepared.scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let triangles: usize = primitives.map(|primitive| primitive.triangles.len()).sum();
+        if triangles > MANY_TRIANGLES { 0 } else { QUEUED_PASSES }
+    }
+
+    /// Builds the geometry of one time, including positions in the neighbouring frames if motion is wanted.
+    fn geometry(&self, frame: f64, has_motion: bool) -> Result<Geometry, PipelineError> {
+        let prepared = self.prepared;
+        let now = prepared.sample_at(frame)?;
+        let around =
+            if has_motion { Some([prepared.sample_at(frame + 1.0)?, prepared.sample_at(frame - 1.0)?]) } else { None };
+        Ok(geometry_of(prepared, &now, around.as_ref().map(|samples| samples.each_ref().map(|sample| &**sample))))
+    }
+}
+
+/// Builds the geometry of a solved time; `around`: the samples one frame later and one earlier, if motion is wanted.
+pub(crate) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Option<[&TimeSample; 2]>) -> Geometry {
+    let warps = now.warps(&prepared.assignment, |_| true);
+    let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
+    let neighbours = around
+        .zip(around_warps.as_ref())
+        .map(|(samples, warps)| [view_of(samples[0], &warps[0]), view_of(samples[1], &warps[1])]);
+    let mut geometry = assemble(&Assembly {
+        scene: &prepared.scene,
+        now: view_of(now, &warps),
+        neighbours,
+        submeshes: &prepared.draw_inputs.submeshes,
+        lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
+        environment: lighting::environment(&prepared.shot, &now.pose),
+        line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
+    });
+    geometry
+        .draws
+        .retain(|draw| prepared.draw_inputs.hidden_layers.iter().all(|&layer| draw.layer_id != layer as u32 + 1));
+    geometry
+}
+
+/// Collects the report, overlay and camera of a solved frame.
+pub(crate) fn facts(
+    prepared: &PreparedShot,
+    (frame, middle): (i32, &TimeSample),
+    has_overlay: bool,
+    jerk: &mut JerkMeter,
+) -> FrameFacts {
+    let mut report = report(prepared, frame, middle);
+    jerk.watch(prepared, middle, &mut report);
+    FrameFacts {
+        report,
+        picture: has_overlay.then(|| overlay::Picture::of(prepared, middle)),
+        camera: CameraMatrices {
+            camera_from_scene: middle.camera.view_from_scene(),
+            screen_from_scene: middle.camera.screen_from_scene(),
+        },
+    }
+}
+
+/// Converts a sample to the input of the geometry stage.
+fn view_of<'a>(sample: &'a TimeSample, warps: &'a [PartWarp<'a>]) -> geometry::PosedScene<'a> {
+    geometry::PosedScene { pose: &sample.pose, camera: &sample.camera, warps }
+}

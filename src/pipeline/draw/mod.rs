@@ -1,0 +1,149 @@
+//! Second stage of a render: draws jobs, tile by tile.
+//!
+//! In: [`FrameJob`]s. Out: [`Drawn`] frames, cropped to the covered pixels.
+
+pub(super) mod geometry_thread;
+pub(super) mod jerk;
+pub(super) mod overlay;
+pub(super) mod overlay_branches;
+pub(super) mod overlay_legend;
+pub(super) mod passes;
+pub(super) mod report;
+pub(super) mod shared_cells;
+
+use crate::image::Frame;
+use crate::pipeline::run::write::Drawn;
+use crate::pipeline::{JerkMeter, PassPlan, PipelineError, PreparedShot, plan_passes};
+use crate::raster::{Pass, PassRole, Raster, Target};
+use crate::space::PixelRect;
+use geometry_thread::{BuiltPass, FrameFacts, FrameJob, GeometryThread};
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::Instant;
+
+/// Maximum side of a tile in pixels, even if the device supports larger ones; this bounds its memory.
+const MAX_TILE_SIDE: u32 = 8192;
+
+/// Splits a window into tiles that the device can draw.
+pub(crate) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
+    window.tiles(max_side.min(MAX_TILE_SIDE))
+}
+
+/// Draws all jobs and returns the time for which the raster was busy, milliseconds.
+pub(crate) fn draw_all(
+    device: &mut dyn Raster,
+    prepared: &PreparedShot,
+    tiles: &[PixelRect],
+    (jobs, drawn): (Receiver<FrameJob>, SyncSender<Drawn>),
+) -> f64 {
+    let plan = plan_passes(prepared.shot.samples, prepared.shot.shutter);
+    let mut renderer = FrameRenderer { device, prepared, plan, busy_ms: 0.0 };
+    for job in jobs {
+        let before_ms = renderer.busy_ms;
+        let done = match renderer.draw(&job, tiles) {
+            Ok((frame, mut facts)) => {
+                facts.report.raster_ms = renderer.busy_ms - before_ms;
+                Drawn::Frame(Box::new(frame), Box::new(facts))
+            }
+            Err(error) => Drawn::Failed(job.frame, error),
+        };
+        if drawn.send(done).is_err() {
+            break;
+        }
+    }
+    renderer.busy_ms
+}
+
+/// Draws a single frame.
+pub(crate) fn draw_frame(device: &mut dyn Raster, prepared: &PreparedShot, frame: i32) -> Result<Frame, PipelineError> {
+    let tiles = tiles(prepared.shot.size.window(), device.max_side());
+    let cancel = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let (job, jobs) = sync_channel(1);
+        let (drawn, drawns) = sync_channel(1);
+        let jerk = JerkMeter::default();
+        let mut producer =
+            GeometryThread { prepared, tile_count: tiles.len(), has_overlay: false, cancel: &cancel, jerk };
+        scope.spawn(move || producer.run(&[frame], &job));
+        draw_all(device, prepared, &tiles, (jobs, drawn));
+        match drawns.recv() {
+            Ok(Drawn::Frame(frame, _)) => Ok(*frame),
+            Ok(Drawn::Failed(_, error)) => Err(error),
+            Err(_) => Err(PipelineError::Interrupted { frame }),
+        }
+    })
+}
+
+/// Draws the frames of a shot on one device.
+struct FrameRenderer<'a> {
+    device: &'a mut dyn Raster,
+    prepared: &'a PreparedShot,
+    plan: Vec<PassPlan>,
+    busy_ms: f64,
+}
+
+impl FrameRenderer<'_> {
+    fn draw(&mut self, job: &FrameJob, tiles: &[PixelRect]) -> Result<(Frame, FrameFacts), PipelineError> {
+        let mut whole: Option<Frame> = None;
+        for &window in tiles {
+            let tile = self.tile(job, window)?;
+            match &mut whole {
+                None if tiles.len() == 1 => whole = Some(tile),
+                None => {
+                    let channels: Vec<_> = tile.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
+                    let display = self.prepared.shot.size.window();
+                    let pixel_aspect = self.prepared.shot.size.pixel_aspect;
+                    let mut frame = Frame { pixel_aspect, ..Frame::blank(display, display, &channels) };
+                    frame.paste(&tile);
+                    whole = Some(frame);
+                }
+                Some(frame) => frame.paste(&tile),
+            }
+        }
+        let begun = Instant::now();
+        let frame = whole.ok_or_else(|| lost(job))?.crop_to_covered();
+        self.busy_ms += begun.elapsed().as_secs_f64() * 1e3;
+        Ok((frame, job.facts.recv().map_err(|_| lost(job))?))
+    }
+
+    fn tile(&mut self, job: &FrameJob, window: PixelRect) -> Result<Frame, PipelineError> {
+        let is_beauty = |pass: &&PassPlan| pass.role != PassRole::Data;
+        let target = Target {
+            frame: self.prepared.shot.size,
+            window,
+            channels: self.prepared.shot.output.channels.clone(),
+            beauty_passes: self.plan.iter().filter(is_beauty).count() as u32,
+        };
+        // The clock starts after the first pass has arrived, because building its geometry is not the raster's work.
+        let mut next = Some(receive(job)?);
+        self.timed(|device| device.start(&target))?;
+        for remaining in (0..self.plan.len()).rev() {
+            let Some(pass) = next.take() else { break };
+            let BuiltPass { geometry, jitter_px, role } = pass;
+            self.timed(|device| device.draw(&Pass { geometry: &geometry, jitter_px, role }))?;
+            next = if remaining > 0 { Some(receive(job)?) } else { None };
+        }
+        self.timed(|device| device.finish())
+    }
+
+    /// Runs a step on the device and adds its duration to the busy time.
+    fn timed<T, E: Into<PipelineError>>(
+        &mut self,
+        step: impl FnOnce(&mut dyn Raster) -> Result<T, E>,
+    ) -> Result<T, PipelineError> {
+        let begun = Instant::now();
+        let outcome = step(self.device);
+        self.busy_ms += begun.elapsed().as_secs_f64() * 1e3;
+        outcome.map_err(Into::into)
+    }
+}
+
+/// Returns the next pass of a job, or the error that ended the job.
+fn receive(job: &FrameJob) -> Result<BuiltPass, PipelineError> {
+    job.passes.recv().map_err(|_| lost(job))?
+}
+
+/// The error for a geometry thread that ended in the middle of a frame.
+fn lost(job: &FrameJob) -> PipelineError {
+    PipelineError::Interrupted { frame: job.frame }
+}

@@ -1,0 +1,79 @@
+//! Finds pins that share cells of the lattice although their targets move them apart, so that too few handles lie between them.
+//!
+//! In: a layer and its solved state. Out: a warning for the worst pair.
+
+use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
+use crate::pipeline::{LayerState, PinState};
+use crate::shot::{Layer, LayerSpace};
+use crate::solve::SolveReport;
+
+/// Distance of two pins, in cells, below which they share most of the handles that act on them.
+const APART_CELLS: f64 = 1.0;
+
+/// Maximum ratio between the distances of two pins after and before the warp without a warning. The ratio ignores
+/// rotation of one pin about the other.
+const STRETCH: f64 = 2.5;
+
+/// Relative displacement below which a pair is not reported, pixels.
+const LEAST_PX: f64 = 4.0;
+
+/// Maximum number of handles along an axis.
+const MAX_SIDE: usize = 64;
+
+/// Two pins on the screen.
+struct Pair<'a> {
+    pins: [&'a PinState; 2],
+    /// Number of cells between the pins, along the axis with the most.
+    cells: f64,
+    /// Distance between the targets relative to the distance at rest.
+    stretch: f64,
+}
+
+/// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; pairs reported
+/// as contradictions are left out.
+pub(crate) fn warning(layer: &Layer, state: &LayerState, solve: &SolveReport, height_px: f64) -> Option<String> {
+    let LayerSpace::Screen { dims, .. } = layer.space else { return None };
+    let grid = &state.solution.as_ref()?.lattice.grid;
+    let worst = pairs(state, solve, (grid, height_px)).max_by(|a, b| a.stretch.total_cmp(&b.stretch))?;
+    let [one, other] = worst.pins.map(|pin| &layer.pins[pin.pin].name);
+    let apart_px = difference(worst.pins).length() * height_px;
+    let finer = dims.map(|count| ((count as f64 * 2.0 * APART_CELLS / worst.cells).ceil() as usize).max(count + 1));
+    let is_possible = finer.iter().all(|&count| count <= MAX_SIDE) && finer[0] * finer[1] <= MAX_HANDLES_IN_ALL;
+    let remedy = if is_possible {
+        format!("give the lattice more handles (dims = [{}, {}]), or each part a layer of its own", finer[0], finer[1])
+    } else {
+        "move them farther apart, or give each part a layer of its own (`nodes`, `select`)".into()
+    };
+    Some(format!(
+        "layer '{}': pins '{one}' and '{other}' share cells of the lattice ({:.1} cells lie between them) and are to move {apart_px:.0} px \
+         apart: the area around them is distorted; {remedy}",
+        layer.name, worst.cells
+    ))
+}
+
+fn pairs<'a>(
+    state: &'a LayerState,
+    solve: &'a SolveReport,
+    (grid, height_px): (&'a Grid<2>, f64),
+) -> impl Iterator<Item = Pair<'a>> {
+    let pins = state.pins.iter().enumerate();
+    let all = pins.flat_map(move |(first, one)| {
+        state.pins[first + 1..].iter().enumerate().map(move |(after, other)| ([first, first + 1 + after], [one, other]))
+    });
+    let is_told =
+        move |pair: &[usize; 2]| solve.conflicts.iter().any(|told| told == pair || *told == [pair[1], pair[0]]);
+    all.filter_map(move |(indices, pins)| {
+        let between = (pins[1].rest - pins[0].rest).0;
+        let cells = (0..2).map(|axis| between[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max);
+        let apart = difference(pins).length();
+        let stretch = (pins[1].target - pins[0].target).0.length() / between.length().max(f64::MIN_POSITIVE);
+        let is_meant = cells > 0.0 && cells < APART_CELLS && stretch > STRETCH && apart * height_px > LEAST_PX;
+        (is_meant && !is_told(&indices)).then_some(Pair { pins, cells, stretch })
+    })
+}
+
+/// Returns the difference between the displacements of two pins.
+fn difference(pins: [&PinState; 2]) -> glam::DVec2 {
+    let [one, other] = pins.map(|pin| (pin.target - pin.rest).0);
+    one - other
+}

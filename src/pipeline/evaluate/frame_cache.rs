@@ -1,0 +1,44 @@
+//! Cache of values that the frames of a shot share: time samples, bounds, trajectories. Recomputing any of them yields
+//! the same bits.
+
+use super::followed_box::BoundsCache;
+use crate::pipeline::TimeSample;
+use crate::pipeline::trajectories::watched_trajectory::Trajectories;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Number of cached samples: a frame, its two neighbours, and the one before.
+const KEPT_SAMPLES: usize = 4;
+
+/// The values shared between frames.
+#[derive(Debug, Default)]
+pub(crate) struct FrameCache {
+    samples: Mutex<VecDeque<Arc<TimeSample>>>,
+    /// Bounds of screen layers.
+    pub(crate) screen_bounds: BoundsCache<2>,
+    /// Bounds of world layers.
+    pub(crate) world_bounds: BoundsCache<3>,
+    /// Trajectories of screen layers.
+    pub(crate) trajectories: Trajectories<2>,
+    /// Trajectories of world layers.
+    pub(crate) world_trajectories: Trajectories<3>,
+    /// Digest of the inputs that all trajectories have in common.
+    pub(crate) trajectory_inputs: OnceLock<u128>,
+}
+
+impl FrameCache {
+    /// Returns the cached sample of a (fractional) frame.
+    pub(crate) fn sample(&self, frame: f64) -> Option<Arc<TimeSample>> {
+        let samples = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
+        samples.iter().find(|sample| sample.frame == frame).map(Arc::clone)
+    }
+
+    /// Caches a sample and evicts the oldest one if there are too many.
+    pub(crate) fn keep(&self, sample: &Arc<TimeSample>) {
+        let mut samples = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
+        samples.push_back(Arc::clone(sample));
+        if samples.len() > KEPT_SAMPLES {
+            samples.pop_front();
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Rest boxes of lattices, on the screen and in the scene: fixed, or following the layer's model.
+//!
+//! In: a [`PreparedShot`], a layer, a pose. Out: the rest box of the layer's lattice.
+
+use super::followed_box::{Bounds, SmoothingWindow, thickened, union};
+use super::time_sample::TimeSample;
+use crate::lattice::{BoxFrame, Grid};
+use crate::pipeline::PreparedShot;
+use crate::pose::Pose;
+use crate::screen::{self, Camera, Extent, ScreenMesh, bounds, primitive, reach_of_frame};
+use crate::shot::{BoxRule, LayerSpace, WorldBoxRule};
+use crate::space::{ScreenBox, ScreenPoint};
+
+/// Minimum side of a box on the screen, in frame heights.
+const MIN_SIDE: f64 = 0.01;
+
+/// Minimum side of a followed box in the scene, relative to its longest side: the cells of a flat model stay solvable.
+const LEAST_SIDE: f64 = 0.25;
+
+/// Minimum side of a box around a model without extent, metres.
+const LEAST_EXTENT: f64 = 1e-6;
+
+/// Returns the rest box of a screen layer's lattice; `None` if nothing of the layer is in or near the frame.
+pub(crate) fn screen_box(
+    prepared: &PreparedShot,
+    sample: &TimeSample,
+    index: usize,
+    rule: BoxRule,
+) -> Option<ScreenBox> {
+    match rule {
+        BoxRule::Fixed(fixed) => Some(fixed),
+        BoxRule::Frame => {
+            let corner = ScreenPoint::new(prepared.shot.size.aspect(), 1.0);
+            Some(ScreenBox::new(ScreenPoint::default(), corner))
+        }
+        BoxRule::Follow => {
+            let now = screen_bounds(prepared, index, &sample.pose, &sample.mesh(), &sample.camera);
+            let window = SmoothingWindow::new(sample.frame);
+            let at = |frame: i32| (frame, screen_bounds_at(prepared, index, frame));
+            let neighbours: Vec<_> = window.frames().map(at).collect();
+            let [min, max] = thickened(window.smooth(&neighbours, now)?, MIN_SIDE);
+            Some(ScreenBox::new(ScreenPoint(min.into()), ScreenPoint(max.into())))
+        }
+    }
+}
+
+/// Returns the bounds of a layer on the screen: lower left and upper right corner.
+pub(crate) fn screen_bounds(
+    prepared: &PreparedShot,
+    layer: usize,
+    pose: &Pose,
+    mesh: &ScreenMesh,
+    camera: &Camera,
+) -> Option<Bounds<2>> {
+    let reach = reach_of_frame(prepared.shot.size);
+    let counts = |part: usize, corners: &[u32; 3]| prepared.assignment.share(layer, part).meets(corners);
+    let parts = &prepared.assignment.parts_of_layer[layer];
+    let extent = Extent { parts, counts: &counts, near: camera.near(), reach };
+    let bounds = bounds(&prepared.scene, pose, mesh, extent)?;
+    Some([bounds.min.0.to_array(), bounds.max.0.to_array()])
+}
+
+/// Returns the bounds of a layer on the screen at a whole frame; those of all layers are computed together and cached.
+fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<2>> {
+    prepared.cache.screen_bounds.at(layer, frame, || {
+        let (pose, camera) = prepared.view(f64::from(frame));
+        let mesh = screen::project(&pose, &camera);
+        let of_layer = |layer: usize| screen_bounds(prepared, layer, &pose, &mesh, &camera);
+        (0..prepared.shot.layers.len()).map(of_layer).collect()
+    })
+}
+
+/// Returns the coordinate frame and rest grid of a world layer's lattice; `None` for screen layers and for layers without geometry.
+pub(crate) fn world_grid(
+    prepared: &PreparedShot,
+    index: usize,
+    frame: f64,
+    pose: &Pose,
+) -> Option<(BoxFrame, Grid<3>)> {
+    let layer = &prepared.shot.layers[index];
+    let LayerSpace::World { dims, bounds } = layer.space else { return None };
+    let (placed, [lo, hi]) = match bounds {
+        WorldBoxRule::Fixed(corners) => (BoxFrame::SCENE, corners),
+        WorldBoxRule::Follow => {
+            let window = SmoothingWindow::new(frame);
+            let at = |frame: i32| (frame, world_bounds_at(prepared, index, frame));
+            let neighbours: Vec<_> = window.frames().map(at).collect();
+            let [lo, hi] = window.smooth(&neighbours, world_bounds(prepared, index, pose))?;
+            let longest = (0..3).map(|axis| hi[axis] - lo[axis]).fold(0.0, f64::max);
+            let least = (longest * LEAST_SIDE).max(LEAST_EXTENT);
+            (box_frame(prepared, index, pose), thickened([lo, hi], least))
+        }
+    };
+    Some((placed, Grid { dims, basis: layer.basis, lo, hi }))
+}
+
+/// Returns the rigid frame of the node that carries a layer, which the layer's box follows.
+fn box_frame(prepared: &PreparedShot, index: usize, pose: &Pose) -> BoxFrame {
+    let carrier = prepared.assignment.carriers[index].map(|node| pose.scene_from_node[node].as_dmat4());
+    carrier.map_or(BoxFrame::SCENE, BoxFrame::of)
+}
+
+/// Returns the bounds of a layer's triangles and lines in the frame of its box.
+fn world_bounds(prepared: &PreparedShot, index: usize, pose: &Pose) -> Option<Bounds<3>> {
+    let frame = box_frame(prepared, index, pose);
+    let of_part = |&part: &usize| {
+        let posed = &pose.parts[part];
+        let source = primitive(&prepared.scene, posed);
+        let share = prepared.assignment.share(index, part);
+        let triangles = source.triangles.iter().filter(|corners| share.meets(corners));
+        let corners = triangles.flatten().chain(source.lines.iter().flatten());
+        let places = corners.map(|&corner| posed.positions[corner as usize].0.as_dvec3());
+        let places = places.filter(|place| place.is_finite()).map(|place| frame.box_from_scene(place).to_array());
+        places.map(|place| [place; 2]).reduce(union)
+    };
+    prepared.assignment.parts_of_layer[index].iter().filter_map(of_part).reduce(union)
+}
+
+/// Returns the bounds of a world layer at a whole frame, in the frame of its box; those of all layers are computed
+/// together and cached.
+fn world_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<3>> {
+    prepared.cache.world_bounds.at(layer, frame, || {
+        let (pose, _) = prepared.view(f64::from(frame));
+        let is_world = |layer: usize| matches!(prepared.shot.layers[layer].space, LayerSpace::World { .. });
+        let of_layer = |layer: usize| is_world(layer).then(|| world_bounds(prepared, layer, &pose)).flatten();
+        (0..prepared.shot.layers.len()).map(of_layer).collect()
+    })
+}

@@ -1,0 +1,106 @@
+//! Computes the shape of a layer on the screen: the visible portions of its triangles and lines.
+//!
+//! In: a [`TimeSample`] and a layer. Out: a [`ScreenShape`]: triangles clipped at the near plane, with their stiffness
+//! and links, and the runs of lines beyond the near plane.
+
+use super::part_triangle_ranges::PartTriangleRanges;
+use crate::pipeline::{PreparedShot, TimeSample};
+use crate::screen::{Corner, Projected, clip_near, primitive};
+use crate::solve::{Link, LinkEnd, LinkKind, Shape};
+use std::sync::Arc;
+
+/// A layer's shape, and the origin of its triangles.
+pub(crate) struct ScreenShape {
+    pub(crate) shape: Shape<2>,
+    pub(crate) starts: Vec<PartTriangleRanges>,
+}
+
+/// Returns the layer's triangles and lines on the screen, clipped at the near plane.
+pub(crate) fn screen_shape(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Shape<2> {
+    screen_shape_with_starts(prepared, sample, index).shape
+}
+
+/// Returns the same as [`screen_shape`], together with the position of each part in the shape.
+pub(crate) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> ScreenShape {
+    let (mesh, near) = (sample.mesh(), sample.camera.near());
+    let mut shape = Shape::default();
+    let mut all = Vec::new();
+    for &part in &prepared.assignment.parts_of_layer[index] {
+        let stiffness = prepared.stiffness_of(index, part);
+        let vertices = &mesh.parts[part].vertices;
+        let base = shape.points.len() as u32;
+        // Vertices behind the camera keep their index; no remaining triangle uses them.
+        let place = |vertex: &Projected| if vertex.w > 0.0 { vertex.point().0.to_array() } else { [0.0; 2] };
+        shape.points.extend(vertices.iter().map(place));
+        let source = primitive(&prepared.scene, &sample.pose.parts[part]);
+        source.lines.iter().for_each(|line| add_visible_runs(&mut shape, line, (vertices, base), near));
+        let mut starts = Vec::with_capacity(source.triangles.len() + 1);
+        for (number, corners) in source.triangles.iter().enumerate() {
+            starts.push(shape.triangles.len() as u32);
+            if !stiffness.meets(corners) {
+                continue;
+            }
+            let ends = corners.map(|corner| vertices[corner as usize]);
+            if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
+                shape.triangles.push(corners.map(|corner| corner + base));
+            } else {
+                add_cut(&mut shape, ends, near);
+            }
+            stiffness.extend((number, corners), &mut shape);
+        }
+        starts.push(shape.triangles.len() as u32);
+        all.push(PartTriangleRanges { part, starts });
+    }
+    shape.links = prepared.layer_inputs.links[index].as_ref().map(|links| links_now(links, &all));
+    ScreenShape { shape, starts: all }
+}
+
+/// Adds the parts of a triangle beyond the near plane.
+fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
+    let (cut, count) = clip_near(ends, near);
+    for cut in &cut[..count] {
+        let first = shape.points.len() as u32;
+        let point = |corner: &Corner| ends[corner.from].lerp(ends[corner.to], corner.share).point();
+        shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
+        shape.triangles.push([first, first + 1, first + 2]);
+    }
+}
+
+/// Converts links between triangles at rest to links between the clipped triangles. The two halves of a triangle that
+/// the near plane clips into two are linked to each other, and the triangle's links are attached to the centre of the
+/// first half.
+fn links_now(links: &Arc<Vec<Link>>, parts: &[PartTriangleRanges]) -> Arc<Vec<Link>> {
+    let runs: Vec<[u32; 2]> =
+        parts.iter().flat_map(|part| part.starts.windows(2).map(|pair| [pair[0], pair[1]])).collect();
+    if runs.iter().enumerate().all(|(number, &[start, end])| start as usize == number && end == start + 1) {
+        return Arc::clone(links);
+    }
+    let now = |end: &LinkEnd| {
+        let [start, next] = runs[end.triangle as usize];
+        match next - start {
+            0 => None,
+            1 => Some(LinkEnd { triangle: start, ..*end }),
+            _ => Some(LinkEnd { triangle: start, barycentric: [1.0 / 3.0; 3] }),
+        }
+    };
+    let kept = links.iter().filter_map(|link| {
+        let [from, to] = link.ends.each_ref().map(now);
+        Some(Link { ends: [from?, to?], kind: link.kind })
+    });
+    let halves = runs.iter().filter(|[start, end]| end - start > 1).map(|&[start, _]| {
+        let ends = [LinkEnd::corner(start as usize, 0), LinkEnd::corner(start as usize + 1, 1)];
+        Link { ends, kind: LinkKind::Edge }
+    });
+    Arc::new(kept.chain(halves).collect())
+}
+
+/// Adds the visible runs of a line to a shape, whose points hold the part's vertices from `base` on. A segment that
+/// crosses the near plane is left out, because its clipped end would slide along it.
+fn add_visible_runs(shape: &mut Shape<2>, line: &[u32], (vertices, base): (&[Projected], u32), near: f64) {
+    let is_seen = |&vertex: &u32| {
+        let place = vertices[vertex as usize];
+        place.depth >= near && place.w > 0.0 && place.h.is_finite()
+    };
+    let runs = line.split(|vertex| !is_seen(vertex)).filter(|run| run.len() > 1);
+    shape.strokes.extend(runs.map(|run| run.iter().map(|vertex| vertex + base).collect::<Vec<u32>>()));
+}

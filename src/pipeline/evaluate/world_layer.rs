@@ -1,0 +1,166 @@
+//! World layers: shape, pins and handles at one time.
+//!
+//! In: a pose and its camera. Out: a [`WorldLayer`], and the problems that are solved for it.
+
+use super::lattice_box::world_grid;
+use super::layer_pins::{faded_weight, moved_handles, region};
+use crate::lattice::{BoxFrame, Grid};
+use crate::pipeline::prepare::anchors::presence;
+use crate::pipeline::{PinAnchor, PinState, PreparedShot, ScenePin};
+use crate::pose::Pose;
+use crate::screen::{Camera, Projected, primitive};
+use crate::shot::{Goal, OffsetUnit, PinTarget, PinTargets, Rotation};
+use crate::solve::{ModelPoint, PointPin, Shape, Targets, TimedProblem};
+use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
+use glam::{DMat3, DVec3};
+
+/// A world layer at one time, ready to be solved.
+pub(crate) struct WorldLayer<'a> {
+    pub(crate) prepared: &'a PreparedShot,
+    pose: &'a Pose,
+    camera: &'a Camera,
+    pub(crate) index: usize,
+    pub(crate) frame: BoxFrame,
+    pub(crate) grid: Grid<3>,
+}
+
+/// A pin as seen by the solver and by the user.
+pub(crate) struct WorldPin {
+    pub(crate) state: PinState,
+    pub(crate) in_scene: ScenePin,
+    point: PointPin<3>,
+}
+
+impl<'a> WorldLayer<'a> {
+    /// Returns the layer at a (fractional) frame; `None` for screen layers, and for layers without pins, handles or geometry.
+    pub(crate) fn at(
+        prepared: &'a PreparedShot,
+        index: usize,
+        time: f64,
+        (pose, camera): (&'a Pose, &'a Camera),
+    ) -> Option<Self> {
+        let layer = &prepared.shot.layers[index];
+        let is_still = layer.pins.is_empty() && layer.handles.is_empty();
+        let (frame, grid) = world_grid(prepared, index, time, pose).filter(|_| !is_still)?;
+        Some(Self { prepared, pose, camera, index, frame, grid })
+    }
+
+    /// Returns the layer's active pins at a time, and the targets of pins and handles.
+    pub(crate) fn goal(&self, time: f64) -> (Vec<WorldPin>, Targets<3>) {
+        let layer = &self.prepared.shot.layers[self.index];
+        let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, time));
+        let pins = self.pins(&targets);
+        let points = pins.iter().map(|pin| pin.point).collect();
+        (pins, Targets { pins: points, handles: moved_handles(layer, &self.grid, &targets) })
+    }
+
+    /// Returns the problem for a trajectory at a time; `None` if neither pins nor handles act.
+    pub(crate) fn timed_problem(&self, time: f64, points: &[PinAnchor]) -> Option<TimedProblem<3>> {
+        let (_, goal) = self.goal(time);
+        if goal.pins.is_empty() && goal.handles.is_empty() {
+            return None;
+        }
+        let layer = &self.prepared.shot.layers[self.index];
+        let points = points.iter().filter_map(|point| point.in_scene(self.pose));
+        let place = |point| ModelPoint { at: self.frame.box_from_scene(point).to_array(), triangle: None };
+        let points = points.map(place).collect();
+        let drawing = self.prepared.shot.drawing(self.index, self.prepared.key_frame(layer, time));
+        Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing })
+    }
+
+    /// Returns the layer's triangles and lines in the frame of its box.
+    pub(crate) fn shape(&self) -> Shape<3> {
+        let mut shape = Shape::default();
+        for &part in &self.prepared.assignment.parts_of_layer[self.index] {
+            let stiffness = self.prepared.stiffness_of(self.index, part);
+            let posed = &self.pose.parts[part];
+            let base = shape.points.len() as u32;
+            let place = |point: &ScenePoint| self.frame.box_from_scene(point.0.as_dvec3()).to_array();
+            shape.points.extend(posed.positions.iter().map(place));
+            let source = primitive(&self.prepared.scene, posed);
+            for (number, corners) in source.triangles.iter().enumerate().filter(|(_, corners)| stiffness.meets(corners))
+            {
+                shape.triangles.push(corners.map(|corner| corner + base));
+                stiffness.extend((number, corners), &mut shape);
+            }
+            let lines = source.lines.iter().map(|line| line.iter().map(|vertex| vertex + base).collect());
+            shape.strokes.extend(lines);
+        }
+        shape
+    }
+
+    /// Returns the active pins.
+    fn pins(&self, targets: &PinTargets) -> Vec<WorldPin> {
+        let anchors = self.prepared.anchors_of(self.index).iter().zip(&targets.pins).enumerate();
+        anchors.filter_map(|(pin, (pinned, target))| self.pin(pin, pinned.in_scene(self.pose)?, target)).collect()
+    }
+
+    fn pin(&self, pin: usize, rest: DVec3, target: &PinTarget) -> Option<WorldPin> {
+        let seen = self.camera.project_exact(rest);
+        // A target on the screen is undefined for a point that is not in front of the camera. Offsets need no fading:
+        // the nearer the point, the smaller they are in metres.
+        let presence = match target.goal {
+            Goal::Target(_) => presence(seen.depth, self.camera),
+            _ => 1.0,
+        };
+        let layer = &self.prepared.shot.layers[self.index];
+        if presence <= 0.0 || layer.pins[pin].is_muted {
+            return None;
+        }
+        let goal = rest + self.displacement(pin, (rest, seen), target.goal);
+        let reached = self.camera.project_exact(goal);
+        let is_in_view = [seen, reached].iter().all(|place| place.w > 0.0 && place.depth >= self.camera.near());
+        let [at, to] = [rest, goal].map(|place| self.frame.box_from_scene(place).to_array());
+        let region = region(&layer.pins[pin], self.grid.diagonal());
+        let (weight, gradient) = (faded_weight(presence * layer.pins[pin].weight), self.gradient(pin, target));
+        let point = PointPin { weight, gradient, region, ..PointPin::new(at, to) };
+        let [from, towards] =
+            [seen, reached].map(|place| if is_in_view { place.point() } else { ScreenPoint::default() });
+        let state = PinState { pin, rest: from, target: towards, presence, is_in_view };
+        Some(WorldPin { state, in_scene: ScenePin { rest, target: goal }, point })
+    }
+
+    /// Returns the displacement of a pin in scene space.
+    fn displacement(&self, pin: usize, (rest, seen): (DVec3, Projected), goal: Goal) -> DVec3 {
+        let layer = &self.prepared.shot.layers[self.index];
+        match goal {
+            Goal::SceneOffset(offset) => match layer.pins[pin].unit {
+                OffsetUnit::Frame => offset.into(),
+                OffsetUnit::Box => {
+                    let size: [f64; 3] = std::array::from_fn(|axis| self.grid.size(axis));
+                    self.frame.axes() * (DVec3::from(offset) * DVec3::from(size))
+                }
+            },
+            Goal::SceneTarget(place) => (DVec3::from(place) - rest) * layer.strength,
+            Goal::Offset(offset) => self.camera.scene_from_screen_vector(offset, seen.w.max(0.0)),
+            Goal::Target(place) => {
+                let across = ScreenVector((place - seen.point()).0 * layer.strength);
+                self.camera.scene_from_screen_vector(across, seen.w)
+            }
+        }
+    }
+
+    /// Returns the gradient that a pin prescribes, in the frame of the box, by columns: the images of its axes.
+    fn gradient(&self, pin: usize, target: &PinTarget) -> Option<[[f64; 3]; 3]> {
+        if target.rotation.is_none() && target.log_scale.is_none() {
+            return None;
+        }
+        let axes = self.frame.axes();
+        let in_box = |scene: DMat3| axes.transpose() * scene * axes;
+        let rotation = match target.rotation {
+            None => DMat3::IDENTITY,
+            Some(Rotation::InView(angle)) => {
+                let towards = self.camera.scene_from_view().z_axis.truncate();
+                in_box(DMat3::from_axis_angle(towards, angle))
+            }
+            Some(Rotation::Axes([x, y, z])) => {
+                let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
+                match self.prepared.shot.layers[self.index].pins[pin].unit {
+                    OffsetUnit::Frame => in_box(turn),
+                    OffsetUnit::Box => turn,
+                }
+            }
+        };
+        Some((rotation * target.log_scale.unwrap_or(0.0).exp()).to_cols_array_2d())
+    }
+}

@@ -1,0 +1,102 @@
+//! Chooses the number of handles of a screen layer with `dims = "auto"`.
+//!
+//! In: a shot, its scene at rest and in the first frame. Out: dims with several spans across the thinnest parts and
+//! between neighbouring pins.
+
+use super::rest_mesh::{RestMesh, rest_pose};
+use crate::pipeline::{PinAnchor, PreparedShot};
+use crate::shot::LayerSpace;
+use crate::solve::{inner_widths, link_length, solid_links};
+
+/// Number of spans across a thin part, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
+const SPANS_ACROSS: f64 = 2.5;
+
+/// Number of spans between two neighbouring pins, so that they do not share all of their handles.
+const SPANS_BETWEEN_PINS: f64 = 2.0;
+
+/// Quantile of a layer's widths that counts as its thickness; the narrower ones are corners and tips.
+const THINNER: f64 = 0.15;
+
+/// Minimum and maximum number of handles along an axis.
+const HANDLES: [usize; 2] = [10, 64];
+
+/// Size of a followed box relative to the model, including the padding on both sides.
+const PADDING: f64 = 1.2;
+
+/// Chooses the dims of all layers with `dims = "auto"`, and adds a note for each.
+pub(crate) fn choose(prepared: &mut PreparedShot) {
+    let asking = |index: &usize| prepared.shot.layers[*index].has_auto_dims;
+    let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(asking).collect();
+    for index in layers {
+        let (chosen, why) = dims(prepared, index);
+        let layer = &mut prepared.shot.layers[index];
+        if let LayerSpace::Screen { dims, .. } = &mut layer.space {
+            *dims = chosen;
+        }
+        let [across, up] = chosen;
+        prepared.notes.push(format!("layer '{}': a lattice of {across} x {up} handles, {why}", layer.name));
+    }
+}
+
+/// Returns the dims of a layer and the reason for them.
+fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
+    let layer = &prepared.shot.layers[index];
+    let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
+    let Some(longest) = longest_side(&mesh) else { return ([HANDLES[0]; 2], "for nothing is seen of it") };
+    let thin = thickness(&mesh).map(|thickness| thickness / longest / SPANS_ACROSS);
+    let frame = f64::from(prepared.shot.frames.first);
+    let sides = box_sides(prepared, index, frame);
+    let nearest = nearest_pins(prepared, index, frame);
+    let pins = nearest.map(|distance| distance / sides[0].max(sides[1]) / SPANS_BETWEEN_PINS);
+    // Lengths of a span, relative to the longer side of the model.
+    let (span, why) = match [thin, pins] {
+        [Some(thin), Some(pins)] if pins < thin => (pins, "for its pins that are near each other"),
+        [Some(thin), _] => (thin, "for its thinnest parts"),
+        [None, Some(pins)] => (pins, "for its pins that are near each other"),
+        [None, None] => return ([HANDLES[0]; 2], "for it has no thin parts"),
+    };
+    let ends = layer.basis.min_handles() - 1;
+    let handles = |side: f64| {
+        let spans = (PADDING * side / sides[0].max(sides[1]) / span).ceil() as usize;
+        (spans + ends).clamp(HANDLES[0], HANDLES[1])
+    };
+    (sides.map(handles), why)
+}
+
+/// Returns width and height of a layer on the screen, in frame heights.
+fn box_sides(prepared: &PreparedShot, index: usize, frame: f64) -> [f64; 2] {
+    let (pose, camera) = prepared.view(frame);
+    let mesh = crate::screen::project(&pose, &camera);
+    match crate::pipeline::evaluate::lattice_box::screen_bounds(prepared, index, &pose, &mesh, &camera) {
+        Some([low, high]) => [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-6)),
+        None => [1.0, 1.0],
+    }
+}
+
+/// Returns the smallest distance between two pins on the surface, in frame heights; coincident pins are ignored.
+fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64> {
+    let on_surface = prepared.anchors_of(index).iter().map(|anchor| matches!(anchor, PinAnchor::Surface { .. }));
+    let rests = prepared.rests_of(index, frame);
+    let places: Vec<_> =
+        rests.iter().zip(on_surface).filter(|(_, is_on)| *is_on).map(|(rest, _)| rest.point.0).collect();
+    let pairs = (0..places.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    pairs.map(|(a, b)| places[a].distance(places[b])).filter(|&distance| distance > 1e-3).reduce(f64::min)
+}
+
+/// Returns the thickness of a mesh: measured through a solid, or across a flat picture.
+fn thickness(mesh: &RestMesh) -> Option<f64> {
+    let links = solid_links(&mesh.points, &mesh.triangles);
+    let widths: Vec<f64> = if links.is_empty() {
+        inner_widths(&mesh.flat(), &mesh.triangles)
+    } else {
+        links.iter().map(|link| link_length(link, &mesh.points, &mesh.triangles)).collect()
+    };
+    let mut widths: Vec<f64> = widths.into_iter().filter(|&width| width > 0.0).collect();
+    widths.sort_by(f64::total_cmp);
+    widths.get((THINNER * widths.len() as f64) as usize).copied()
+}
+
+fn longest_side(mesh: &RestMesh) -> Option<f64> {
+    let longest = mesh.sides().into_iter().fold(0.0, f64::max);
+    (longest.is_finite() && longest > 0.0).then_some(longest)
+}

@@ -1,0 +1,267 @@
+//! Prepares a shot: loads its scene, chooses camera and clip, assigns parts to layers, attaches pins.
+//!
+//! In: a [`Shot`]. Out: a [`PreparedShot`], with notes on choices made on the user's behalf.
+
+pub(super) mod anchors;
+pub(super) mod auto_dims;
+pub(super) mod branch_lattices;
+pub(super) mod cameras;
+pub(super) mod layer_assignment;
+pub(super) mod lighting;
+pub(super) mod mattes;
+pub(super) mod mesh_resolution;
+pub(super) mod missing_files;
+pub(super) mod prepared_shot;
+pub(super) mod rest_links;
+pub(super) mod rest_mesh;
+pub(super) mod selection;
+pub(super) mod stiffness;
+pub(super) mod transfer;
+pub(super) mod transferred_branches;
+pub(super) mod visibility;
+
+use crate::pipeline::evaluate::frame_cache::FrameCache;
+use crate::pipeline::evaluate::topology::check_branching;
+use crate::pipeline::pictures::Gallery;
+use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
+use crate::pose::{ClipChoice, Pose, PosedPart, pose};
+use crate::scene::{self, FileAccess, Scene};
+use crate::screen::{self, Camera, ScreenMesh};
+use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source};
+use crate::spelling;
+use cameras::{CameraContext, CameraSource};
+use layer_assignment::LayerAssignment;
+use mattes::Mattes;
+use mesh_resolution::coarse_meshes;
+use prepared_shot::{DrawInputs, LayerInputs};
+use rest_links::rest_links;
+use std::collections::HashMap;
+
+/// Maximum number of pixels of a frame: 16384 x 16384.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Number of handles along an axis above which a basis without local support is reported as costly.
+const MANY_GLOBAL_HANDLES: usize = 24;
+
+/// Fraction of the mesh moved by a layer at a pin, below which the pin is reported.
+const FULL_SHARE: f64 = 0.99;
+
+impl PreparedShot {
+    /// Loads the scene of a shot and prepares the shot.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if the scene cannot be loaded or does not match the shot.
+    pub fn new(shot: Shot) -> Result<Self, PipelineError> {
+        check_size(&shot)?;
+        missing_files::check(&shot)?;
+        let (scene, gallery) = load(&shot)?;
+        let prepared = Self::with_scene(shot, scene)?;
+        check_branching(&prepared)?;
+        Ok(Self { gallery, ..prepared })
+    }
+
+    /// Prepares a shot with a scene that is already loaded, in place of its own.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if the scene does not match the shot.
+    pub fn with_scene(mut shot: Shot, mut scene: Scene) -> Result<Self, PipelineError> {
+        let hidden_nodes = visibility::hide(&shot, &mut scene)?;
+        let mut notes = scene.warnings.clone();
+        notes.extend(shot.range_notes());
+        let clip = choose_clip(&shot, &scene, &mut notes)?;
+        let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        check_parts(&shot, &first, &hidden_nodes)?;
+        let assignment = LayerAssignment::new(&shot, &scene, &first.parts)?;
+        let context = CameraContext { shot: &shot, scene: &scene, clip, parts_of_layer: &assignment.parts_of_layer };
+        let camera = cameras::choose(&context, &mut notes)?;
+        if let CameraSource::Own { camera, .. } = &camera {
+            // Shots derived from this one for other scenes keep the resolved camera.
+            shot.camera = CameraRule::Own(camera.clone());
+        }
+        let loaded = transfer::load(&shot, &mut notes)?;
+        let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
+        let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
+        let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
+        let mut prepared = Self {
+            shot,
+            scene,
+            notes,
+            assignment,
+            layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, links, loaded },
+            draw_inputs: DrawInputs { rig: Vec::new(), submeshes, mattes, hidden_layers: Vec::new(), hidden_nodes },
+            gallery: None,
+            camera,
+            clip,
+            cache: FrameCache::default(),
+            trajectory_files: None,
+        };
+        let (_, camera) = prepared.view(f64::from(prepared.shot.frames.first));
+        prepared.draw_inputs.rig = lighting::neutral_rig(&camera);
+        if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&prepared.scene, part)) {
+            prepared.notes.push("the scene has no lights: a neutral three-light rig is used".into());
+        }
+        attach_pins(&mut prepared, &first)?;
+        auto_dims::choose(&mut prepared);
+        note_unwarped(&mut prepared);
+        note_costly(&mut prepared);
+        let coarse = coarse_meshes(&prepared, &first);
+        prepared.notes.extend(coarse);
+        Ok(prepared)
+    }
+}
+
+/// Refuses a scene of which nothing is drawn.
+fn check_parts(shot: &Shot, first: &Pose, hidden_nodes: &[usize]) -> Result<(), PipelineError> {
+    if !first.parts.is_empty() {
+        return Ok(());
+    }
+    let (key, what, hint) = if hidden_nodes.is_empty() {
+        ("scene", "the scene has no triangles and no lines", "export meshes with it")
+    } else {
+        ("hide", "nothing is left to draw", "hide fewer nodes, or name in `show` what stays")
+    };
+    Err(PipelineError::mismatch(shot, key, what, hint))
+}
+
+/// Resolves every pin's anchor to indices.
+pub(crate) fn attach_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
+    let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
+    for (index, layer) in prepared.shot.layers.iter().enumerate() {
+        let mut attached = Vec::new();
+        for (number, pin) in layer.pins.iter().enumerate() {
+            let pinned = match pin.anchor {
+                Anchor::Screen { at, frame: None } => PinAnchor::Screen(at),
+                Anchor::Screen { at, frame: Some(frame) } => {
+                    let (pose, mesh, camera) = casts.entry(frame).or_insert_with(|| {
+                        let (pose, camera) = prepared.view(f64::from(frame));
+                        let mesh = screen::project(&pose, &camera);
+                        (pose, mesh, camera)
+                    });
+                    let hit = screen::pick(&prepared.scene, pose, mesh, camera.near(), at).ok_or_else(|| {
+                        let what = format!("there is no surface at {}, {} in frame {frame}", at.0.x, at.0.y);
+                        anchors::mismatch(
+                            &prepared.shot,
+                            [index, number],
+                            (what, "move the anchor onto the model".into()),
+                        )
+                    })?;
+                    PinAnchor::on(&prepared.scene, pose, &hit)
+                }
+                Anchor::Surface { .. } => {
+                    let (pinned, note) =
+                        anchors::find((&prepared.shot, [index, number]), &prepared.scene, &first.parts)?;
+                    prepared.notes.extend(note);
+                    pinned
+                }
+            };
+            if let Some(text) = note_on_pin(&prepared.assignment, index, &pinned) {
+                let at = if let PinAnchor::Surface { part, .. } = pinned { first.parts[part].node } else { 0 };
+                let node = &prepared.scene.nodes[at].name;
+                prepared.notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
+            }
+            attached.push(pinned);
+        }
+        prepared.layer_inputs.anchors.push(attached);
+    }
+    Ok(())
+}
+
+/// Returns a note on a pin that is attached to a point that its layer does not move, or not fully.
+fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -> Option<String> {
+    let PinAnchor::Surface { part, corners, barycentric, .. } = pinned else { return None };
+    if !assignment.parts_of_layer[layer].contains(part) {
+        return Some("which the layer does not move; the pin still follows it".into());
+    }
+    let share = assignment.share(layer, *part);
+    let moved: f64 = corners.iter().zip(barycentric).map(|(&corner, weight)| share.at(corner) * weight).sum();
+    (moved < FULL_SHARE).then(|| {
+        let percent = (100.0 * moved).round();
+        format!(
+            "where the layer moves {percent} % of the mesh: the pin moves it only that far; pin it farther inside, or reduce \
+             `feather`"
+        )
+    })
+}
+
+/// Adds notes on layers that are not moved.
+fn note_unwarped(prepared: &mut PreparedShot) {
+    let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
+    let (moved, still): (Vec<_>, Vec<_>) = prepared.shot.layers.iter().partition(is_moved);
+    if moved.is_empty() {
+        prepared.notes.push("no layer has pins or moved handles: nothing is warped".into());
+        return;
+    }
+    let names = still.iter().map(|layer| &layer.name);
+    prepared
+        .notes
+        .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
+}
+
+/// Adds notes on costly lattices: every handle of a global basis acts everywhere, so the matrices are full.
+fn note_costly(prepared: &mut PreparedShot) {
+    let note = |layer: &Layer| {
+        let dims = match &layer.space {
+            LayerSpace::Screen { dims, .. } => &dims[..],
+            LayerSpace::World { dims, .. } => &dims[..],
+        };
+        let is_costly = !layer.basis.is_local() && dims.iter().any(|&count| count > MANY_GLOBAL_HANDLES);
+        is_costly.then(|| {
+            let dims: Vec<String> = dims.iter().map(ToString::to_string).collect();
+            format!(
+                "layer '{}': each of its {} handles acts everywhere, which takes time and memory: twice as many along every axis take up \
+                 to {} times as long; basis = \"bspline\" does not, or use {MANY_GLOBAL_HANDLES} handles an axis or less",
+                layer.name,
+                dims.join(" x "),
+                8_u32.pow(dims.len() as u32)
+            )
+        })
+    };
+    let notes: Vec<String> = prepared.shot.layers.iter().filter_map(note).collect();
+    prepared.notes.extend(notes);
+}
+
+/// Whether lighting affects a part.
+fn is_lit(scene: &Scene, part: &PosedPart) -> bool {
+    !scene.materials[screen::primitive(scene, part).material].unlit
+}
+
+/// Loads the source of a shot as a scene, with the pictures that the scene represents.
+fn load(shot: &Shot) -> Result<(Scene, Option<Gallery>), PipelineError> {
+    match &shot.source {
+        Source::Scene(path) => {
+            let access = if shot.allow_outside { FileAccess::Anywhere } else { FileAccess::SceneFolder };
+            Ok((scene::load_with(path, access)?, None))
+        }
+        Source::Frame => Ok((scene::frame_card(shot.size.aspect()), None)),
+        Source::Images(paths) => {
+            let (gallery, scene) = Gallery::load(shot, paths)?;
+            Ok((scene, Some(gallery)))
+        }
+    }
+}
+
+/// Refuses frames with too many pixels.
+fn check_size(shot: &Shot) -> Result<(), PipelineError> {
+    let pixels = u64::from(shot.size.width) * u64::from(shot.size.height);
+    if pixels <= MAX_PIXELS {
+        return Ok(());
+    }
+    let what = format!("a frame of {} x {} pixels is too large", shot.size.width, shot.size.height);
+    Err(PipelineError::mismatch(shot, "size", what, "stay within 268 million pixels (16384 x 16384)"))
+}
+
+/// Returns the clip named by the shot, or else the scene's first, if any.
+fn choose_clip(shot: &Shot, scene: &Scene, notes: &mut Vec<String>) -> Result<ClipChoice, PipelineError> {
+    let (name, index) = match &shot.clip {
+        None => (None, None),
+        Some(ClipName::Name(name)) => (Some(name.as_str()), None),
+        Some(ClipName::Index(index)) => (None, Some(*index)),
+    };
+    let found = scene.find_clip(name, index);
+    let clip = found.map_err(|source| PipelineError::find(shot, "frames.clip", source))?;
+    if shot.clip.is_none() && scene.clips.len() > 1 {
+        let names = scene.clips.iter().map(|clip| clip.name.as_str());
+        notes.push(format!("no clip is named: '{}' is used; {}", scene.clips[0].name, spelling::list(names)));
+    }
+    Ok(ClipChoice { clip, is_looped: shot.is_looped })
+}

@@ -1,0 +1,145 @@
+//! A prepared shot: the data that all frames share, created once by [`prepare`](crate::pipeline::prepare); frames are
+//! [`TimeSample`](crate::pipeline::TimeSample)s of it.
+
+use super::cameras::CameraSource;
+use super::layer_assignment::LayerAssignment;
+use super::stiffness::{Painted, PartStiffness};
+use super::transfer::Loaded;
+use crate::image::cryptomatte::MatteHeader;
+use crate::pipeline::draw::passes::mid_shutter;
+use crate::pipeline::evaluate::frame_cache::FrameCache;
+use crate::pipeline::pictures::Gallery;
+use crate::pipeline::trajectories::trajectory_files::TrajectoryFiles;
+use crate::pipeline::{PinAnchor, RestPoint};
+use crate::pose::{ClipChoice, Pose, PosedLight, pose};
+use crate::raster::geometry::Submesh;
+use crate::scene::Scene;
+use crate::screen::{self, Camera};
+use crate::shot::{Layer, Shot};
+use crate::solve::Link;
+use crate::space::ScreenPoint;
+use std::sync::Arc;
+
+/// A shot ready to be rendered; everything in it is the same for every frame.
+#[derive(Debug)]
+pub struct PreparedShot {
+    /// The shot.
+    pub shot: Shot,
+    /// Its scene.
+    pub scene: Scene,
+    /// Notes for the user on what was chosen or ignored.
+    pub notes: Vec<String>,
+    /// The mapping from parts to layers.
+    pub assignment: LayerAssignment,
+    /// Inputs of the layers' solves.
+    pub(crate) layer_inputs: LayerInputs,
+    /// Inputs of drawing.
+    pub(crate) draw_inputs: DrawInputs,
+    /// The pictures that the scene represents.
+    pub(crate) gallery: Option<Gallery>,
+    /// The camera.
+    pub(crate) camera: CameraSource,
+    /// The clip that animates the scene.
+    pub(crate) clip: ClipChoice,
+    /// Values cached between frames.
+    pub(crate) cache: FrameCache,
+    /// Where trajectories are stored.
+    pub(crate) trajectory_files: Option<TrajectoryFiles>,
+}
+
+/// Inputs of the layers' solves, except their keys.
+#[derive(Debug)]
+pub(crate) struct LayerInputs {
+    /// One per layer and pin.
+    pub(crate) anchors: Vec<Vec<PinAnchor>>,
+    /// Stiffness of the layers' triangles.
+    pub(crate) stiffness: Painted,
+    /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.
+    pub(crate) links: Vec<Option<Arc<Vec<Link>>>>,
+    /// #layers: lattices transferred from other shots.
+    pub(crate) loaded: Vec<Option<Loaded>>,
+}
+
+/// Inputs of drawing that are not part of the scene.
+#[derive(Debug)]
+pub(crate) struct DrawInputs {
+    /// The neutral lights, used if the scene has none.
+    pub(crate) rig: Vec<PosedLight>,
+    /// Pieces of every part, with layer ids and Cryptomatte ids.
+    pub(crate) submeshes: Vec<Vec<Submesh>>,
+    /// One header per Cryptomatte.
+    pub(crate) mattes: Vec<MatteHeader>,
+    /// Layers whose parts are not drawn but keep their indices, ids and names.
+    pub(crate) hidden_layers: Vec<usize>,
+    /// Nodes whose meshes the shot hides.
+    pub(crate) hidden_nodes: Vec<usize>,
+}
+
+impl PreparedShot {
+    /// Returns the pose, before any layer moves it, and the camera at a (fractional) frame.
+    #[must_use]
+    pub fn view(&self, frame: f64) -> (Pose, Camera) {
+        let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
+        let camera = self.camera.at((&self.shot, &self.scene), frame, &pose);
+        (pose, camera)
+    }
+
+    /// Returns the camera's node, if the camera is one of the scene's.
+    pub(crate) const fn camera_node(&self) -> Option<usize> {
+        match self.camera {
+            CameraSource::Node(node) => Some(node),
+            CameraSource::Automatic(_) | CameraSource::Own { .. } => None,
+        }
+    }
+
+    /// Whether the shot's own camera moves.
+    pub(crate) fn has_moving_camera(&self) -> bool {
+        matches!(&self.camera, CameraSource::Own { camera, .. } if camera.keys.len() > 1)
+    }
+
+    /// Returns the time shown by a whole frame: the middle of its exposure.
+    #[must_use]
+    pub fn mid_exposure_time(&self, frame: f64) -> f64 {
+        frame + mid_shutter(self.shot.shutter)
+    }
+
+    /// Casts points of the screen onto the front-most unwarped surface of a frame; `None` where there is no surface.
+    #[must_use]
+    pub fn cast(&self, frame: i32, points: &[ScreenPoint]) -> Vec<Option<PinAnchor>> {
+        let (pose, camera) = self.view(f64::from(frame));
+        let mesh = screen::project(&pose, &camera);
+        let pick = |&point: &ScreenPoint| screen::pick(&self.scene, &pose, &mesh, camera.near(), point);
+        points.iter().map(|point| pick(point).map(|hit| PinAnchor::on(&self.scene, &pose, &hit))).collect()
+    }
+
+    /// Returns the positions of a layer's pinned points before any warp at a (fractional) frame, one per pin.
+    #[must_use]
+    pub fn rests_of(&self, layer: usize, frame: f64) -> Vec<RestPoint> {
+        let (pose, camera) = self.view(frame);
+        let mesh = screen::project(&pose, &camera);
+        self.layer_inputs.anchors[layer].iter().map(|pinned| pinned.rest(&mesh, &camera)).collect()
+    }
+
+    /// Returns the anchors of a layer's pins.
+    #[must_use]
+    pub fn anchors_of(&self, layer: usize) -> &[PinAnchor] {
+        &self.layer_inputs.anchors[layer]
+    }
+
+    /// Returns the stiffness of a part's triangles; the part must belong to the layer.
+    pub(crate) fn stiffness_of(&self, layer: usize, part: usize) -> PartStiffness<'_> {
+        PartStiffness {
+            painted: self.layer_inputs.stiffness[layer].get(&part).map_or(&[], Vec::as_slice),
+            share: self.assignment.share(layer, part),
+            is_uneven: !self.shot.layers[layer].stiffness.is_empty() || self.assignment.is_sharing[layer],
+        }
+    }
+
+    /// Returns the frame at which the layer's keys are evaluated for a (fractional) frame. A layer on twos shows one
+    /// drawing throughout the exposure of a frame, so its keys are evaluated at the exposed frame instead of at the
+    /// time of the sample.
+    #[must_use]
+    pub fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
+        if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }
+    }
+}

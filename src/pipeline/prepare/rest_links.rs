@@ -1,0 +1,167 @@
+//! Finds the connected triangles of a layer whose lattice branches, from the scene at rest, independent of the view.
+//!
+//! In: a scene, the parts of a layer, the cuts and joins of the shot. Out: [`Link`]s between triangles, which are
+//! numbered consecutively over all parts.
+
+use super::rest_mesh::{RestMesh, rest_pose};
+use super::selection::cut_off;
+use crate::pipeline::PipelineError;
+use crate::pose::Pose;
+use crate::scene::Scene;
+use crate::screen::primitive;
+use crate::shot::{Cut, Layer, Shot, Source};
+use crate::solve::{Link, LinkEnd, Topology, nearest_link, solid_links, surface_links};
+use crate::spelling;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Returns the links of every layer; `None` for layers whose lattice does not branch.
+///
+/// # Errors
+/// [`PipelineError::Mismatch`] if a cut separates nothing or names something that does not exist.
+pub(crate) fn rest_links(
+    shot: &Shot,
+    scene: &Scene,
+    parts_of_layer: &[Vec<usize>],
+) -> Result<Vec<Option<Arc<Vec<Link>>>>, PipelineError> {
+    let mut rest = None;
+    let mut all = Vec::with_capacity(shot.layers.len());
+    for (index, (layer, parts)) in shot.layers.iter().zip(parts_of_layer).enumerate() {
+        if layer.settings.topology == Topology::Plain {
+            all.push(None);
+            continue;
+        }
+        let rest = rest.get_or_insert_with(|| rest_pose(scene));
+        let mesh = RestMesh::of(scene, rest, parts);
+        let radius = layer.connectivity.island_radius * mesh.diagonal();
+        let mut links = match shot.source {
+            Source::Scene(_) => links_of_solid(&mesh, radius),
+            Source::Images(_) | Source::Frame => surface_links(&mesh.flat(), &mesh.triangles, radius),
+        };
+        let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh };
+        layer.cut(&mut links)?;
+        layer.join(&mut links)?;
+        all.push(Some(Arc::new(links)));
+    }
+    Ok(all)
+}
+
+/// Returns links along the surface and through the solid.
+fn links_of_solid(mesh: &RestMesh, radius: f64) -> Vec<Link> {
+    let mut links = surface_links(&mesh.points, &mesh.triangles, radius);
+    links.extend(solid_links(&mesh.points, &mesh.triangles));
+    let in_own_order = |end: &mut LinkEnd| {
+        if mesh.is_mirrored[end.triangle as usize] {
+            end.barycentric.swap(1, 2);
+        }
+    };
+    links.iter_mut().flat_map(|link| &mut link.ends).for_each(in_own_order);
+    links
+}
+
+/// The inputs for the cuts and joins of one layer.
+struct LayerLinks<'a> {
+    shot: &'a Shot,
+    scene: &'a Scene,
+    index: usize,
+    parts: &'a [usize],
+    rest: &'a Pose,
+    mesh: &'a RestMesh,
+}
+
+impl LayerLinks<'_> {
+    fn layer(&self) -> &Layer {
+        &self.shot.layers[self.index]
+    }
+
+    fn fault(&self, key: &str, what: &str, hint: &str) -> PipelineError {
+        let (index, name) = (self.index, &self.layer().name);
+        PipelineError::mismatch(
+            self.shot,
+            &format!("layer[{index}].lattice.{key}"),
+            format!("layer '{name}': {what}"),
+            hint,
+        )
+    }
+
+    /// Removes the links that cuts separate.
+    fn cut(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
+        for (number, cut) in self.layer().connectivity.cuts.iter().enumerate() {
+            let key = format!("cuts[{number}]");
+            let before = links.len();
+            match cut {
+                Cut::Stroke(stroke) => self.cut_along(stroke, links),
+                Cut::Part { nodes, selection } => {
+                    let parts = (self.rest.parts.as_slice(), self.parts);
+                    let is_in = cut_off((self.shot, self.scene), [self.index, number], (nodes, selection), parts)?;
+                    links.retain(|link| is_in[link.ends[0].triangle as usize] == is_in[link.ends[1].triangle as usize]);
+                    if links.len() == before {
+                        let count = is_in.iter().filter(|is_in| **is_in).count();
+                        let of = is_in.len();
+                        let what = format!("cut {number} separates nothing: it names {count} of {of} triangles");
+                        let hint =
+                            "name a part that hangs on the rest of the layer at rest; `pinwarp info` lists names";
+                        return Err(self.fault(&key, &what, hint));
+                    }
+                }
+            }
+            if links.len() == before {
+                let hint = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
+                return Err(self.fault(&key, &format!("stroke {number} cuts nothing"), hint));
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes the links that a stroke crosses. Pictures are flat: their x and y are screen coordinates.
+    fn cut_along(&self, stroke: &[[f64; 2]], links: &mut Vec<Link>) {
+        let points = self.mesh.flat();
+        let middle = |end: &LinkEnd| -> [f64; 2] {
+            let corners = self.mesh.triangles[end.triangle as usize].map(|corner| points[corner as usize]);
+            [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
+        };
+        links.retain(|link| {
+            let way = link.ends.each_ref().map(middle);
+            !stroke.windows(2).any(|segment| meet(way, [segment[0], segment[1]]))
+        });
+    }
+
+    /// Links the pairs that the shot joins, at their nearest points.
+    fn join(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
+        for (number, pair) in self.layer().connectivity.joins.iter().enumerate() {
+            let key = format!("joins[{number}]");
+            let [from, to] = pair.each_ref().map(|pattern| self.triangles_of(pattern));
+            let sides = [(from, &pair[0]), (to, &pair[1])];
+            if let Some((_, pattern)) = sides.iter().find(|(triangles, _)| triangles.is_empty()) {
+                let names = self.parts.iter().map(|&part| self.scene.nodes[self.rest.parts[part].node].name.as_str());
+                let what = format!("no node of the layer with a mesh matches '{pattern}'");
+                return Err(self.fault(&key, &what, &spelling::hint(pattern, names)));
+            }
+            let [(from, _), (to, _)] = sides;
+            links.extend(nearest_link(&self.mesh.points, &self.mesh.triangles, [&from, &to]));
+        }
+        Ok(())
+    }
+
+    /// Returns the triangles of the nodes that match a pattern, and of their descendants.
+    fn triangles_of(&self, pattern: &str) -> Vec<usize> {
+        let nodes: BTreeSet<usize> =
+            self.scene.matching(pattern).into_iter().flat_map(|node| self.scene.subtree(node)).collect();
+        let mut first = 0;
+        let mut found = Vec::new();
+        for part in self.parts.iter().map(|&part| &self.rest.parts[part]) {
+            let count = primitive(self.scene, part).triangles.len();
+            if nodes.contains(&part.node) {
+                found.extend(first..first + count);
+            }
+            first += count;
+        }
+        found
+    }
+}
+
+/// Whether two segments cross or touch.
+fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
+    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0 && a != b
+}

@@ -1,0 +1,87 @@
+//! Derives the name of a trajectory's file from the inputs of the trajectory.
+//!
+//! In: a [`PreparedShot`] and a layer. Out: a [`FileKey`], which is the same exactly where the same bits would be
+//! computed. The frames of the shot, the pins of other screen layers, and the locations of files do not count.
+
+use super::trajectory_files::FileKey;
+use crate::pipeline::PreparedShot;
+use crate::pipeline::run::contents;
+use crate::shot::LayerSpace;
+use std::fmt::{self, Debug, Write};
+use std::path::{Path, PathBuf};
+use twox_hash::XxHash3_128;
+
+/// Maximum length of the shot's name in a file name.
+const LONGEST_NAME: usize = 40;
+
+impl PreparedShot {
+    /// Returns the key of a layer's trajectory.
+    pub(crate) fn trajectory_key(&self, index: usize) -> FileKey {
+        let shared = *self.cache.trajectory_inputs.get_or_init(|| self.trajectory_inputs());
+        let mut digest = Digest::default();
+        digest.add(&(shared, index));
+        self.add_layer(index, &mut digest);
+        let stem = self.shot.path.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
+        let stem: String = stem.chars().filter(|&letter| is_plain(letter)).take(LONGEST_NAME).collect();
+        FileKey { prefix: format!("{stem}.{index}"), digest: digest.finish() }
+    }
+
+    /// Digests the inputs that all trajectories share: the program, the files of the shot, the animated scene and its camera.
+    fn trajectory_inputs(&self) -> u128 {
+        let mut digest = Digest::default();
+        digest.add(&env!("CARGO_PKG_VERSION"));
+        // Builds of one version may differ in the last bit.
+        let program = std::env::current_exe().ok();
+        digest.add(&program.map(|program| contents::Contents::default().digest(&[&program])));
+        digest.add(&self.contents_digest());
+        let Self { shot, assignment, camera, clip, .. } = self;
+        let frames = shot.frames;
+        digest.add(&(shot.solve_range, frames.rate, frames.clip_start, shot.is_looped, clip, camera));
+        digest.add(&(shot.size.aspect(), shot.size.pixel_aspect, shot.shutter, &shot.visibility, shot.allow_outside));
+        digest.add(assignment);
+        // World layers move what screen layers see.
+        let is_world = |index: &usize| matches!(shot.layers[*index].space, LayerSpace::World { .. });
+        (0..shot.layers.len()).filter(is_world).for_each(|index| self.add_layer(index, &mut digest));
+        digest.0.finish_128()
+    }
+
+    /// Adds all settings of a layer, except how its parts of the scene were selected.
+    fn add_layer(&self, index: usize, digest: &mut Digest) {
+        let layer = &self.shot.layers[index];
+        let mut plain = layer.clone();
+        // The location of a file does not count; its contents are part of the shared inputs.
+        plain.transfer.iter_mut().for_each(|transfer| transfer.file = name_of(&transfer.file));
+        plain.selection.mask.iter_mut().for_each(|mask| mask.file = name_of(&mask.file));
+        digest.add(&plain);
+        // Layers on twos count from the first frame.
+        digest.add(&(layer.step > 1).then_some(self.shot.frames.first));
+        let inputs = &self.layer_inputs;
+        digest.add(&(&inputs.anchors[index], &inputs.stiffness[index], &inputs.links[index]));
+    }
+}
+
+fn name_of(path: &Path) -> PathBuf {
+    path.file_name().map(Into::into).unwrap_or_default()
+}
+
+/// A digest of the debug output of values: derived implementations name every field, and print floats exactly.
+#[derive(Default)]
+struct Digest(XxHash3_128);
+
+impl Digest {
+    fn add(&mut self, value: &dyn Debug) {
+        writeln!(self, "{value:?}").expect("a digest takes any text");
+    }
+
+    fn finish(&self) -> String {
+        format!("{:032x}", self.0.finish_128())
+    }
+}
+
+impl Write for Digest {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.write(text.as_bytes());
+        Ok(())
+    }
+}

@@ -1,0 +1,189 @@
+//! Overlay marks for viewers of a solved frame: lines of lattices, handles, folded cells, pins.
+//!
+//! In: a solved [`TimeSample`]. Out: points of the screen, grouped by layer.
+
+use crate::lattice::{Grid, SceneLattice, ScreenLattice};
+use crate::pipeline::evaluate::lattice_box::screen_box;
+use crate::pipeline::evaluate::layer_pins::region;
+use crate::pipeline::evaluate::screen_shape::screen_shape;
+use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
+use crate::screen::Camera;
+use crate::shot::LayerSpace;
+use crate::solve::{Shape, active_cells};
+use crate::space::{ScreenBox, ScreenPoint};
+use glam::{DVec2, DVec3};
+
+/// Line segments per cell and line of the lattice.
+const PIECES: usize = 4;
+
+/// Line segments of the rim of a region.
+const RIM_PIECES: usize = 48;
+
+/// The marks of one layer.
+#[derive(Clone, Debug, Default)]
+pub struct LayerMarks {
+    /// Index of the layer in the shot.
+    pub layer: usize,
+    /// Lines of the warped lattice.
+    pub lines: Vec<Vec<ScreenPoint>>,
+    /// Warped handles; `None` if behind the camera.
+    pub handles: Vec<Option<ScreenPoint>>,
+    /// Outlines of folded cells that contain part of the model.
+    pub folded: Vec<Vec<ScreenPoint>>,
+    /// The rest box of a screen layer's lattice.
+    pub rest_box: Option<ScreenBox>,
+    /// The active pins.
+    pub pins: Vec<PinMark>,
+    /// Distortion at the points of each line: ratio of the singular values of the warp's gradient, largest to smallest.
+    pub distortion: Vec<Vec<f64>>,
+}
+
+/// A pin in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PinMark {
+    /// Index in the layer.
+    pub pin: usize,
+    /// Position of the pinned point before the warp.
+    pub rest: ScreenPoint,
+    /// Target position.
+    pub target: ScreenPoint,
+    /// Rim of the pin's region, warped by the lattice; empty if the pin has no region.
+    pub rim: Vec<ScreenPoint>,
+}
+
+/// Returns the marks of all warped layers of a solved frame.
+#[must_use]
+pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
+    let marks = |(layer, state): (usize, &LayerState)| {
+        let marks = LayerMarks { layer, ..LayerMarks::default() };
+        let marks = match (&state.solution, &state.world) {
+            (Some(solution), _) => of_screen(marks, &solution.lattice, || screen_shape(prepared, sample, layer)),
+            (None, Some(world)) => of_scene(marks, &world.lattice, &sample.camera),
+            (None, None) => return None,
+        };
+        let lattice = state.solution.as_ref().map(|solution| &solution.lattice);
+        let pins = state.pins.iter().filter(|pin| pin.is_in_view);
+        let pin = |state: &PinState| PinMark {
+            pin: state.pin,
+            rest: state.rest,
+            target: state.target,
+            rim: lattice.map(|lattice| rim(prepared, (layer, state), lattice)).unwrap_or_default(),
+        };
+        Some(LayerMarks { pins: pins.map(pin).collect(), ..marks })
+    };
+    sample.layers.iter().enumerate().filter_map(marks).collect()
+}
+
+/// Returns the marks of screen layers that are not warped: their lattices at rest.
+#[must_use]
+pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
+    let is_resting = |(_, state): &(usize, &LayerState)| state.solution.is_none() && state.world.is_none();
+    let marks = |(layer, _): (usize, &LayerState)| {
+        let marks = LayerMarks { layer, ..LayerMarks::default() };
+        Some(of_screen(marks, &resting(prepared, sample, layer)?, Shape::default))
+    };
+    sample.layers.iter().enumerate().filter(is_resting).filter_map(marks).collect()
+}
+
+/// Returns the rest lattice of a screen layer that is not warped.
+fn resting(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Option<ScreenLattice> {
+    let layer = &prepared.shot.layers[index];
+    let LayerSpace::Screen { dims, bounds } = layer.space else { return None };
+    Some(Grid::over(screen_box(prepared, sample, index, bounds)?, dims, layer.basis).at_rest())
+}
+
+fn rim(prepared: &PreparedShot, (layer, state): (usize, &PinState), lattice: &ScreenLattice) -> Vec<ScreenPoint> {
+    let pin = &prepared.shot.layers[layer].pins[state.pin];
+    let Some(region) = region(pin, lattice.grid.diagonal()) else { return Vec::new() };
+    let turn = |k: usize| k as f64 / RIM_PIECES as f64 * std::f64::consts::TAU;
+    let around = |k: usize| ScreenPoint(state.rest.0 + region.radius * DVec2::from_angle(turn(k)));
+    (0..=RIM_PIECES).map(|k| lattice.warp(around(k))).collect()
+}
+
+fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> LayerMarks {
+    let grid = &lattice.grid;
+    let spans = grid.dims.map(|count| grid.basis.spans(count));
+    let at = |cells: [f64; 2]| {
+        let [x, y] = std::array::from_fn(|axis| grid.lo[axis] + cells[axis] / spans[axis] as f64 * grid.size(axis));
+        ScreenPoint::new(x, y)
+    };
+    let mut lines = Vec::new();
+    for along in 0..2 {
+        for line in 0..=spans[1 - along] {
+            let place = |step: usize| {
+                let mut place = [0.0; 2];
+                place[along] = step as f64 / PIECES as f64;
+                place[1 - along] = line as f64;
+                at(place)
+            };
+            lines.push((0..=spans[along] * PIECES).map(place).collect::<Vec<_>>());
+        }
+    }
+    let margin = grid.basis.margin() as f64;
+    let outline = |cell: [usize; 2]| {
+        let [x, y] = cell.map(|place| place as f64 - margin);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let side = |k: usize| {
+            let ([from, to], t) = ([corners[k / PIECES % 4], corners[(k / PIECES + 1) % 4]], (k % PIECES) as f64);
+            std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * t / PIECES as f64)
+        };
+        let rim = (0..4 * PIECES).map(side);
+        rim.map(|[u, v]: [f64; 2]| lattice.warp(at([x + u, y + v]))).collect()
+    };
+    LayerMarks {
+        distortion: lines.iter().map(|line| line.iter().map(|&point| stretch(lattice, point)).collect()).collect(),
+        lines: lines.iter().map(|line| line.iter().map(|&point| lattice.warp(point)).collect()).collect(),
+        handles: lattice.handles.iter().map(|&[x, y]| Some(ScreenPoint::new(x, y))).collect(),
+        folded: folded_model_cells(lattice, shape).into_iter().map(outline).collect(),
+        rest_box: Some(ScreenBox::new(at([0.0; 2]), at(spans.map(|count| count as f64)))),
+        ..marks
+    }
+}
+
+/// Returns the folded cells that contain part of the model. The shape is computed only if any cell folds.
+fn folded_model_cells(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<[usize; 2]> {
+    let folded = lattice.folded_cells();
+    if folded.is_empty() {
+        return folded;
+    }
+    let is_active = active_cells(&lattice.grid, &shape());
+    let (margin, columns) = (lattice.grid.basis.margin(), lattice.grid.basis.spans(lattice.grid.dims[0]));
+    let holds = |[i, j]: &[usize; 2]| is_active.get((j - margin) * columns + i - margin).copied().unwrap_or(false);
+    folded.into_iter().filter(holds).collect()
+}
+
+/// Returns the ratio of the warp gradient's singular values, largest to smallest; 1 where there is no distortion.
+fn stretch(lattice: &ScreenLattice, point: ScreenPoint) -> f64 {
+    let gradient = lattice.jacobian(point);
+    let square = gradient.transpose() * gradient;
+    let (mean, half) = (0.5 * (square.x_axis.x + square.y_axis.y), 0.5 * (square.x_axis.x - square.y_axis.y));
+    let apart = half.hypot(square.x_axis.y);
+    ((mean + apart) / (mean - apart).max(1e-12)).max(1.0).sqrt()
+}
+
+fn of_scene(marks: LayerMarks, placed: &SceneLattice, camera: &Camera) -> LayerMarks {
+    let SceneLattice { frame, lattice } = placed;
+    let grid = &lattice.grid;
+    let spans = grid.dims.map(|count| grid.basis.spans(count));
+    let seen = |point: DVec3| {
+        let place = camera.project_exact(point);
+        (place.w > 0.0 && place.depth >= camera.near()).then(|| place.point())
+    };
+    let mut lines = Vec::new();
+    for axis in 0..3 {
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+        for line in 0..(spans[u] + 1) * (spans[v] + 1) {
+            let along = |k: usize| {
+                let mut cells = [0.0; 3];
+                cells[axis] = k as f64 / PIECES as f64;
+                cells[u] = (line % (spans[u] + 1)) as f64;
+                cells[v] = (line / (spans[u] + 1)) as f64;
+                let at = std::array::from_fn(|a| grid.lo[a] + cells[a] / spans[a] as f64 * grid.size(a));
+                seen(placed.warp(frame.scene_from_box(DVec3::from_array(at))))
+            };
+            lines.push((0..=spans[axis] * PIECES).map_while(along).collect());
+        }
+    }
+    let handles = lattice.handles.iter().map(|&handle| seen(frame.scene_from_box(handle.into()))).collect();
+    LayerMarks { lines, handles, ..marks }
+}

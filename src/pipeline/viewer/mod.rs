@@ -1,0 +1,9 @@
+//! Serves editors and viewers: new and edited shots, picked points, marks of pins and lattices, single frames.
+//!
+//! In: a shot in memory. Out: what a window shows of it.
+
+pub(super) mod layer_marks;
+pub(super) mod new_shot;
+pub(super) mod open_shot;
+pub(super) mod picked_point;
+pub(super) mod still;

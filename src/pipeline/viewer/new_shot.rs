@@ -1,0 +1,123 @@
+//! Collects the facts for a new shot of a scene or picture.
+//!
+//! In: a path. Out: the input of [`template`](crate::shot::template).
+
+use crate::image::{PictureKind, SequencePath, picture_size};
+use crate::pipeline::PipelineError;
+use crate::scene::{self, FileAccess, Scene};
+use crate::shot::template::{ClipFact, Subject, TemplateFacts};
+use crate::space::FrameSize;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Frames per second of a new shot.
+const RATE: f64 = 24.0;
+
+/// Last frame of the longest clip; shot files allow frames up to a million.
+const MAX_FRAME: f32 = 999_999.0;
+
+/// Number of frames of a new shot whose scene is not animated.
+const DEFAULT_FRAMES: i32 = 24;
+
+/// The inputs of a new shot.
+#[derive(Clone, Debug)]
+pub struct NewShot {
+    /// Facts for the template.
+    pub facts: TemplateFacts,
+    /// Warnings from reading the file.
+    pub warnings: Vec<String>,
+    /// Files to which the scene refers.
+    pub files_beside: Vec<PathBuf>,
+}
+
+/// Inspects a scene, or a picture if the file name has a picture's extension.
+///
+/// # Errors
+/// [`PipelineError`] if the file cannot be read or is a sequence.
+pub fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineError> {
+    // Files without a picture's extension are read as scenes, whose reader reports unsupported types.
+    if PictureKind::of(path).is_some() {
+        return Ok(NewShot { facts: picture_facts(path)?, warnings: Vec::new(), files_beside: Vec::new() });
+    }
+    let scene = scene::load_with(path, access)?;
+    Ok(NewShot { facts: scene_facts(&scene), warnings: scene.warnings, files_beside: scene.files_beside })
+}
+
+/// Collects the facts about a picture.
+fn picture_facts(path: &Path) -> Result<TemplateFacts, PipelineError> {
+    if !path.is_file() && SequencePath::parse(path)?.has_counter() {
+        return Err(PipelineError::Unusable {
+            what: format!("{}: pictures of a shot are single images, but this is a sequence", path.display()),
+            hint: format!(
+                "write a shot with `plate = \"{}\"`, give its layer `matte = \"alpha\"`, and run `pinwarp warp`",
+                path.display()
+            ),
+        });
+    }
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    Ok(TemplateFacts {
+        subject: Subject::Image,
+        cameras: Vec::new(),
+        has_camera: true,
+        clips: Vec::new(),
+        mesh_nodes: vec![name],
+        spare_nodes: Vec::new(),
+        frames: [1, DEFAULT_FRAMES],
+        rate: RATE,
+        size: picture_size(path)?,
+    })
+}
+
+/// Collects the facts about a scene.
+fn scene_facts(scene: &Scene) -> TemplateFacts {
+    let names = |of: fn(&scene::Node) -> bool| {
+        scene.nodes.iter().filter(|node| of(node)).map(|node| node.name.clone()).collect::<Vec<_>>()
+    };
+    let cameras = names(|node| node.camera.is_some());
+    let frames = scene
+        .clips
+        .first()
+        .map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round().min(MAX_FRAME) as i32 + 1);
+    TemplateFacts {
+        subject: Subject::Scene,
+        has_camera: !cameras.is_empty(),
+        cameras,
+        clips: scene
+            .clips
+            .iter()
+            .map(|clip| ClipFact { name: clip.name.clone(), secs: clip.end_secs.into() })
+            .collect(),
+        mesh_nodes: names(|node| node.mesh.is_some()),
+        spare_nodes: spare_nodes(scene),
+        frames: [1, frames.max(1)],
+        rate: RATE,
+        size: FrameSize::new(1920, 1080),
+    }
+}
+
+/// Returns the names of rigid meshes that share a joint with other rigid meshes, such as the weapons of a character pack.
+fn spare_nodes(scene: &Scene) -> Vec<String> {
+    let joints: BTreeSet<usize> = scene.skins.iter().flat_map(|skin| &skin.joints).copied().collect();
+    let is_rigid = |node: &&scene::Node| node.mesh.is_some() && node.skin.is_none();
+    let place = |node: &scene::Node| node.parent.filter(|parent| joints.contains(parent));
+    let hung = || scene.nodes.iter().filter(is_rigid).filter_map(|node| Some((place(node)?, node)));
+    let is_spare = |parent: usize| hung().filter(|(other, _)| *other == parent).count() > 1;
+    hung().filter(|(parent, _)| is_spare(*parent)).map(|(_, node)| node.name.clone()).collect()
+}
+
+/// Returns the path of a file relative to a folder if the file lies below it, and the absolute path otherwise.
+///
+/// # Errors
+/// [`PipelineError`] if the folder or the file does not exist.
+pub fn path_between(folder: &Path, file: &Path) -> Result<PathBuf, PipelineError> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = folder.canonicalize().map_err(|_| PipelineError::Unusable {
+        what: format!("the folder {} of the shot file is not there", folder.display()),
+        hint: "make it first".into(),
+    })?;
+    let file = file.canonicalize().map_err(|error| PipelineError::Unusable {
+        what: format!("{}: {error}", file.display()),
+        hint: "name a file that is there".into(),
+    })?;
+    Ok(file.strip_prefix(&folder).map(Path::to_owned).unwrap_or(file))
+}

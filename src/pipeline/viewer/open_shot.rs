@@ -1,0 +1,204 @@
+//! A prepared shot that stays loaded while its file is edited.
+//!
+//! In: successive versions of a shot. Out: the same [`PreparedShot`] as if it were prepared anew, with as little work
+//! as the edit requires: changed keys cost nothing, pins are attached again, layers are assigned again over the loaded
+//! scene.
+
+use crate::pipeline::evaluate::frame_cache::FrameCache;
+use crate::pipeline::prepare::attach_pins;
+use crate::pipeline::prepare::auto_dims;
+use crate::pipeline::{PipelineError, PreparedShot};
+use crate::pose::pose;
+use crate::raster::ChannelGroup;
+use crate::shot::{CameraRule, KeyLines, Layer, LayerSpace, Shot};
+use crate::solve::Settings;
+
+/// A loaded shot that is being edited.
+#[derive(Debug)]
+pub struct OpenShot {
+    /// The shot as given, before preparation fills in automatic settings.
+    given: Shot,
+    prepared: PreparedShot,
+}
+
+/// The amount of work that an edit caused, in increasing order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rework {
+    /// Nothing that affects frames.
+    Nothing,
+    /// Frames only: keys, strengths, samples.
+    Frames,
+    /// Pins were attached to the model again.
+    Pins,
+    /// Everything except loading the scene.
+    Layers,
+    /// The scene was loaded again.
+    Scene,
+}
+
+impl OpenShot {
+    /// Loads a shot.
+    ///
+    /// # Errors
+    /// As [`PreparedShot::new`].
+    pub fn new(shot: Shot) -> Result<Self, PipelineError> {
+        Ok(Self { given: shot.clone(), prepared: PreparedShot::new(colour_only(shot))? })
+    }
+
+    /// Returns the prepared shot, which renders colour only.
+    #[must_use]
+    pub const fn prepared(&self) -> &PreparedShot {
+        &self.prepared
+    }
+
+    /// Returns the names of all nodes with meshes, in scene order, and whether the shot hides them.
+    pub fn drawn_nodes(&self) -> impl Iterator<Item = (&str, bool)> {
+        let hidden = &self.prepared.draw_inputs.hidden_nodes;
+        let nodes = self.prepared.scene.nodes.iter().enumerate();
+        nodes
+            .filter(|(index, node)| node.mesh.is_some() || hidden.contains(index))
+            .map(|(index, node)| (node.name.as_str(), hidden.contains(&index)))
+    }
+
+    /// Returns the shot as given last.
+    #[must_use]
+    pub const fn given(&self) -> &Shot {
+        &self.given
+    }
+
+    /// Replaces the shot by an edited version. Layers that the edit does not change keep their trajectories.
+    ///
+    /// # Errors
+    /// As [`PreparedShot::new`]; in that case nothing changes.
+    pub fn edit(&mut self, shot: Shot) -> Result<Rework, PipelineError> {
+        let rework = rework(&self.given, &shot);
+        match rework {
+            Rework::Nothing => {}
+            Rework::Frames => self.put_shot(&shot),
+            Rework::Pins => self.reattach_pins(&shot)?,
+            Rework::Layers => {
+                let gallery = self.prepared.gallery.clone();
+                let again = PreparedShot::with_scene(colour_only(shot.clone()), self.prepared.scene.clone())?;
+                self.prepared = PreparedShot { gallery, ..again };
+            }
+            Rework::Scene => self.prepared = PreparedShot::new(colour_only(shot.clone()))?,
+        }
+        self.given = shot;
+        Ok(rework)
+    }
+
+    /// Loads everything again, even if the shot is unchanged, because the contents of its files may have changed.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn reload(&mut self, shot: Shot) -> Result<(), PipelineError> {
+        *self = Self::new(shot)?;
+        Ok(())
+    }
+
+    /// Replaces the shot, keeping scene, layer assignment and pin anchors.
+    fn put_shot(&mut self, shot: &Shot) {
+        let prepared = &mut self.prepared;
+        let mut next = colour_only(shot.clone());
+        if let CameraRule::Own(camera) = &prepared.shot.camera {
+            next.camera = CameraRule::Own(camera.clone());
+        }
+        for (layer, known) in next.layers.iter_mut().zip(&prepared.shot.layers) {
+            // Automatic dims were chosen when the shot was prepared.
+            if layer.has_auto_dims {
+                layer.space = known.space;
+            }
+        }
+        let is_same = |index: usize| self.given.layers.get(index) == shot.layers.get(index);
+        let is_world = |layer: &Layer| matches!(layer.space, LayerSpace::World { .. });
+        // World layers move the meshes below screen layers.
+        let is_scene_still = (0..shot.layers.len()).all(|index| is_same(index) || !is_world(&shot.layers[index]));
+        let old = std::mem::take(&mut prepared.cache);
+        let mut cache = FrameCache::default();
+        cache.world_bounds = old.world_bounds;
+        if is_scene_still {
+            cache.screen_bounds = old.screen_bounds;
+        }
+        if is_scene_still && is_time_same(&self.given, shot) {
+            old.trajectories.retain(is_same);
+            old.world_trajectories.retain(is_same);
+            cache.trajectories = old.trajectories;
+            cache.world_trajectories = old.world_trajectories;
+        }
+        (prepared.shot, prepared.cache) = (next, cache);
+    }
+
+    /// Attaches the pins of the same layers again.
+    fn reattach_pins(&mut self, shot: &Shot) -> Result<(), PipelineError> {
+        let old_anchors = std::mem::take(&mut self.prepared.layer_inputs.anchors);
+        let old_shot = self.prepared.shot.clone();
+        let old_notes = self.prepared.notes.len();
+        self.put_shot(shot);
+        let prepared = &mut self.prepared;
+        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        if let Err(error) = attach_pins(prepared, &first) {
+            prepared.layer_inputs.anchors = old_anchors;
+            prepared.shot = old_shot;
+            prepared.cache = FrameCache::default();
+            prepared.notes.truncate(old_notes);
+            return Err(error);
+        }
+        auto_dims::choose(prepared);
+        Ok(())
+    }
+}
+
+/// Restricts the channels to colour, which is all that viewers show.
+fn colour_only(mut shot: Shot) -> Shot {
+    shot.output.channels = vec![ChannelGroup::Beauty];
+    shot
+}
+
+/// Whether both shots are solved over the same range and show the same times.
+fn is_time_same(old: &Shot, new: &Shot) -> bool {
+    old.frames == new.frames && old.solve_range == new.solve_range && old.shutter == new.shutter
+}
+
+/// Determines what has to be done again.
+fn rework(old: &Shot, new: &Shot) -> Rework {
+    let without_lines = |shot: &Shot| Shot { lines: KeyLines::default(), ..shot.clone() };
+    if without_lines(old) == without_lines(new) {
+        return Rework::Nothing;
+    }
+    let has_same_source = old.source == new.source
+        && old.visibility == new.visibility
+        && old.allow_outside == new.allow_outside
+        && old.size == new.size
+        && old.path == new.path;
+    if !has_same_source {
+        return Rework::Scene;
+    }
+    if structural_settings(old) != structural_settings(new) {
+        return Rework::Layers;
+    }
+    let attachments = |shot: &Shot| -> Vec<Vec<_>> {
+        let of_layer = |layer: &Layer| layer.pins.iter().map(|pin| (pin.name.clone(), pin.anchor.clone())).collect();
+        shot.layers.iter().map(of_layer).collect()
+    };
+    let chooses_dims = |shot: &Shot| shot.layers.iter().any(|layer| layer.has_auto_dims);
+    if attachments(old) != attachments(new) || chooses_dims(new) { Rework::Pins } else { Rework::Frames }
+}
+
+/// Reduces a shot to the settings on which preparation depends, except pins.
+fn structural_settings(shot: &Shot) -> Shot {
+    let mut shot = shot.clone();
+    shot.lines = KeyLines::default();
+    shot.output = crate::shot::Output { channels: Vec::new(), ..shot.output };
+    (shot.samples, shot.shutter.angle, shot.shutter.phase, shot.exposure_stops) = (1, 0.0, 0.0, 0.0);
+    shot.solve_range = [0, 0];
+    for layer in &mut shot.layers {
+        layer.pins.clear();
+        layer.handles.clear();
+        (layer.strength, layer.step) = (1.0, 1);
+        layer.settings = Settings { topology: layer.settings.topology, ..Settings::default() };
+        if let LayerSpace::Screen { dims, .. } = &mut layer.space {
+            *dims = [4, 4];
+        }
+    }
+    shot
+}

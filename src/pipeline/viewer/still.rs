@@ -1,0 +1,207 @@
+//! Single frames in memory for viewers: quick drafts, and frames with the pixels of a render.
+//!
+//! In: a prepared shot, a solved time. Out: a [`Frame`] with colour.
+
+use crate::image::{Frame, Plate, SequencePath, read_any};
+use crate::pipeline::draw::draw_frame;
+use crate::pipeline::draw::geometry_thread::geometry_of;
+use crate::pipeline::draw::passes::mid_shutter;
+use crate::pipeline::evaluate::screen_layer;
+use crate::pipeline::evaluate::timed_layer;
+use crate::pipeline::evaluate::timed_world::Unsolved;
+use crate::pipeline::pictures::paint_frame;
+use crate::pipeline::trajectories::layer_timeline::Watcher;
+use crate::pipeline::trajectories::{facts, has_trajectory};
+use crate::pipeline::{PipelineError, PreparedShot, TimeSample};
+use crate::plate::{LayerJob, PlateJob, warp_plate};
+use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
+use crate::shot::{LayerSpace, Source};
+use crate::solve::SolveError;
+use crate::space::FrameSize;
+use glam::Vec2;
+
+/// Polled for cancellation; returns true once the result is no longer wanted.
+pub type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
+
+/// A device that draws frames and can be sent between threads.
+pub type Device = dyn Raster + Send + 'static;
+
+impl PreparedShot {
+    /// Returns the solved sample shown by a frame, without waiting for trajectories. Layers whose trajectory is not
+    /// solved yet are solved for this frame alone, so the sample is provisional.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] if a layer cannot be solved.
+    pub fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
+        let time = self.mid_exposure_time(f64::from(frame));
+        let mut sample = self.world_solved_at(time, Unsolved::Alone)?;
+        for (index, layer) in self.shot.layers.iter().enumerate() {
+            let LayerSpace::Screen { bounds, .. } = layer.space else { continue };
+            sample.layers[index] = if self.is_solved_over_time(index) {
+                timed_layer::solve(self, &sample, index, bounds)?
+            } else {
+                screen_layer::solve(self, &sample, index, bounds)?
+            };
+        }
+        Ok(sample)
+    }
+
+    /// Whether the trajectories of all layers that have one are solved.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        (0..self.shot.layers.len()).all(|index| !has_trajectory(self, index) || self.is_solved_over_time(index))
+    }
+
+    /// Solves the trajectories of all layers that have one. Returns false if it was stopped.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if a layer cannot be solved.
+    pub fn solve_trajectories(
+        &self,
+        is_cancelled: &IsCancelled,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<bool, PipelineError> {
+        let layers: Vec<usize> = (0..self.shot.layers.len()).filter(|&index| has_trajectory(self, index)).collect();
+        for (place, &index) in layers.iter().enumerate() {
+            let part = |done: usize, of: usize| done as f64 / of.max(1) as f64;
+            let on_step = |done: usize, of: usize| progress((place as f64 + part(done, of)) / layers.len() as f64);
+            match facts(self, index, Watcher { is_cancelled: &|| is_cancelled(), progress: &on_step }) {
+                Ok(_) => {}
+                Err(PipelineError::Solve { source: SolveError::Cancelled, .. }) => return Ok(false),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(!is_cancelled())
+    }
+
+    /// Whether the trajectory of a layer has been solved.
+    fn is_solved_over_time(&self, index: usize) -> bool {
+        match self.shot.layers[index].space {
+            LayerSpace::Screen { .. } => self.cache.trajectories.is_known(index),
+            LayerSpace::World { .. } => self.cache.world_trajectories.is_known(index),
+        }
+    }
+
+    /// Whether a device draws the shot; pictures and plates are warped instead.
+    #[must_use]
+    pub fn needs_raster(&self) -> bool {
+        matches!(self.shot.source, Source::Scene(_))
+    }
+
+    /// Draws a solved time with one sample per pixel.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if drawing fails.
+    pub fn draft(
+        &self,
+        device: Option<&mut Device>,
+        sample: &TimeSample,
+        size: FrameSize,
+    ) -> Result<Frame, PipelineError> {
+        match (device, &self.shot.source) {
+            (Some(device), Source::Scene(_)) => {
+                let geometry = geometry_of(self, sample, None);
+                let target = Target {
+                    frame: size,
+                    window: size.window(),
+                    channels: vec![ChannelGroup::Beauty],
+                    beauty_passes: 1,
+                };
+                device.start(&target)?;
+                device.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: PassRole::Beauty })?;
+                Ok(device.finish()?)
+            }
+            (_, Source::Frame) => self.warped_plate(sample),
+            _ => paint_frame(self, sample, &[sample.frame], &|_| Ok(sample.clone().into())),
+        }
+    }
+
+    /// Returns a frame with the pixels of a render; `None` if it was stopped.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if the frame cannot be solved or drawn.
+    pub fn finished(
+        &self,
+        device: Option<&mut Device>,
+        frame: i32,
+        is_cancelled: &IsCancelled,
+    ) -> Result<Option<Frame>, PipelineError> {
+        let drawn = match (device, &self.shot.source) {
+            (Some(device), Source::Scene(_)) => {
+                draw_frame(&mut Stoppable { device, is_cancelled, is_stopped: false }, self, frame)
+            }
+            (_, Source::Frame) => self.mid_exposure(frame).and_then(|sample| self.warped_plate(&sample)),
+            _ => self.mid_exposure(frame).and_then(|middle| {
+                let times = crate::pipeline::pictures::times(self, frame);
+                let sample_at = |time| if is_cancelled() { Err(stopped(frame)) } else { self.sample_at(time) };
+                paint_frame(self, &middle, &times, &sample_at)
+            }),
+        };
+        match drawn {
+            Ok(frame) => Ok(Some(frame)),
+            Err(_) if is_cancelled() => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Returns the plate of a sample's frame, warped by its layers.
+    fn warped_plate(&self, sample: &TimeSample) -> Result<Frame, PipelineError> {
+        let Some(pattern) = &self.shot.plate else { return Ok(self.blank()) };
+        let frame = (sample.frame - mid_shutter(self.shot.shutter)).round() as i32;
+        let plate = read_any(&SequencePath::parse(pattern)?.path_of(frame))?;
+        let settings = self.shot.warp.in_pixels(plate.frame_size());
+        let moved = self.shot.layers.iter().zip(&sample.layers).filter_map(|(layer, state)| {
+            let field = state.field(layer.matte.is_none())?;
+            Some(LayerJob { name: layer.name.clone(), field, previous: None, next: None, matte: layer.matte.clone() })
+        });
+        let job = PlateJob { layers: moved.collect(), settings: &settings, fill: None };
+        Ok(warp_plate(&plate, &job).map(|(plate, _): (Plate, _)| plate.into_frame())?)
+    }
+
+    /// Returns an empty frame.
+    fn blank(&self) -> Frame {
+        let display = self.shot.size.window();
+        Frame { pixel_aspect: self.shot.size.pixel_aspect, ..Frame::blank(display, display, &[]) }
+    }
+}
+
+fn stopped(frame: i32) -> PipelineError {
+    PipelineError::Interrupted { frame }
+}
+
+/// A device that can be stopped between two passes.
+struct Stoppable<'a> {
+    device: &'a mut Device,
+    is_cancelled: &'a IsCancelled<'a>,
+    is_stopped: bool,
+}
+
+impl Raster for Stoppable<'_> {
+    fn name(&self) -> String {
+        self.device.name()
+    }
+
+    fn class(&self) -> DeviceClass {
+        self.device.class()
+    }
+
+    fn max_side(&self) -> u32 {
+        self.device.max_side()
+    }
+
+    fn start(&mut self, target: &Target) -> Result<(), RasterError> {
+        self.device.start(target)
+    }
+
+    fn draw(&mut self, pass: &Pass) -> Result<(), RasterError> {
+        self.is_stopped = self.is_stopped || (self.is_cancelled)();
+        if self.is_stopped {
+            return Err(RasterError::Misuse("the frame is no longer wanted"));
+        }
+        self.device.draw(pass)
+    }
+
+    fn finish(&mut self) -> Result<Frame, RasterError> {
+        self.device.finish()
+    }
+}
