@@ -1,6 +1,6 @@
-//! Compiles `shaders/*.wgsl` to SPIR-V with naga, once for every variant that the Vulkan raster can ask for.
+//! Compiles `shaders/*.wgsl` to SPIR-V with naga, once for every variant that the Vulkan raster uses.
 //!
-//! In: the WGSL files. Out: `$OUT_DIR/<variant>.spv` and `$OUT_DIR/shaders.rs`, a table of them by name.
+//! In: the WGSL files. Out: `$OUT_DIR/<variant>.spv`, and `$OUT_DIR/shaders.rs`, a table of the modules by name.
 
 use naga::back::spv;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -12,7 +12,7 @@ use std::{env, fs};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// One module to write: an entry point with its overrides.
+/// A SPIR-V module to write: an entry point with values for its overrides.
 struct Variant {
     name: String,
     stage: ShaderStage,
@@ -44,13 +44,14 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// The vertex stage, and fragment stages for each meaning of alpha, set of textures and kind of shading: `beauty_2_0_lit`.
+/// The vertex stage, and a fragment stage for each combination of alpha mode, set of textures and shading, such as
+/// `beauty_2_0_lit`.
 fn geometry_variants() -> Vec<Variant> {
     let mut variants =
         vec![Variant { name: "vertex".into(), stage: ShaderStage::Vertex, entry: "vertex", overrides: Vec::new() }];
     for entry in ["beauty", "data", "both"] {
         for alpha in 0..3 {
-            // Blended surfaces never write colour and data at once: their order and their depth rules differ.
+            // Blended surfaces never write colour and data in one pass, because order and depth test differ.
             if entry == "both" && alpha == 2 {
                 continue;
             }
@@ -84,14 +85,14 @@ fn resolve_variants() -> Vec<Variant> {
     vec![variant("resolve_vertex", ShaderStage::Vertex, "vertex"), variant("resolve", ShaderStage::Fragment, "resolve")]
 }
 
-/// A compute entry for each filter of plates: `remap_ewa`.
+/// A compute entry for each filter of plates, such as `remap_ewa`.
 fn remap_variants() -> Vec<Variant> {
     let variant =
         |entry| Variant { name: format!("remap_{entry}"), stage: ShaderStage::Compute, entry, overrides: Vec::new() };
     ["ewa", "cubic", "lanczos", "nearest"].map(variant).into()
 }
 
-/// Reads, joins and checks WGSL files.
+/// Reads, concatenates and validates WGSL files.
 fn parse(files: &[&str]) -> Outcome<(Module, ModuleInfo)> {
     let mut source = String::new();
     for file in files {
@@ -109,11 +110,11 @@ fn compile(module: &Module, info: &ModuleInfo, variant: &Variant) -> Outcome<Vec
     let (module, info) = naga::back::pipeline_constants::process_overrides(module, info, entry, &constants)?;
     let options = spv::Options {
         lang_version: (1, 3),
-        // No ADJUST_COORDINATE_SPACE: geometry.wgsl makes Vulkan's y-down clip coordinates itself.
+        // No ADJUST_COORDINATE_SPACE: geometry.wgsl outputs Vulkan's y-down clip coordinates itself.
         // No CLAMP_FRAG_DEPTH: no shader writes depth.
         flags: spv::WriterFlags::LABEL_VARYINGS | spv::WriterFlags::DEBUG,
         fake_missing_bindings: false,
-        // Loops count lights, taps and the samples of a footprint, whose size is held.
+        // All loops have bounded trip counts: lights, filter taps, and samples of a footprint, whose size is clamped.
         force_loop_bounding: false,
         binding_map: binding_map(&module),
         ..spv::Options::default()
@@ -122,7 +123,7 @@ fn compile(module: &Module, info: &ModuleInfo, variant: &Variant) -> Outcome<Vec
     Ok(spv::write_vec(&module, &info, &options, Some(&pipeline))?)
 }
 
-/// WGSL's groups and bindings, unchanged.
+/// Maps WGSL's groups and bindings to equal descriptor sets and bindings.
 fn binding_map(module: &Module) -> spv::BindingMap {
     let bindings = module.global_variables.iter().filter_map(|(_, variable)| variable.binding);
     bindings

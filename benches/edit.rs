@@ -1,8 +1,8 @@
-//! What the editor takes under the hand: from a file to its first picture, from the pointer to new marks and to a new picture; at rest; and
-//! what memory it has after much work.
+//! Latency and memory of the editor: opening a file to the first picture, pointer to marks and to picture, processor load at
+//! rest, memory after a long session.
 //!
-//! `cargo bench --bench edit`. The walker at 1080p; Knight.glb where shared assets lie beside the repository, or in PINWARP_SHARED; a plane of a million
-//! vertices.
+//! Run with `cargo bench --bench edit`. In: the walker at 1080p; Knight.glb, if the shared assets are next to the repository
+//! or in PINWARP_SHARED; a plane of a million vertices. Out: printed lines.
 
 #[allow(dead_code, reason = "other tests need more of it")]
 #[path = "../tests/support/tiny.rs"]
@@ -19,13 +19,13 @@ use tiny::{Tiny, grid};
 
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Moves of the pen in a drag.
+/// Pointer moves of a drag.
 const MOVES: usize = 60;
 
-/// Times that a pin is dragged, undone, keyed elsewhere.
+/// Drags of the long session; some are undone.
 const ROUNDS: usize = 240;
 
-/// How long nothing is done.
+/// Duration of the measurement at rest.
 const REST: Duration = Duration::from_secs(5);
 
 fn main() {
@@ -62,7 +62,7 @@ fn find(folder: &Path, name: &str) -> Option<PathBuf> {
     None
 }
 
-/// Waits until something is there.
+/// Waits until `find` returns something.
 fn wait<T>(session: &mut Session, find: impl Fn(&Session) -> Option<T>) -> T {
     let begun = Instant::now();
     loop {
@@ -79,10 +79,10 @@ fn ms(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 
-/// The ring is out of the way.
+/// A ring that cannot be grabbed.
 const RING: Ring = Ring { radius: 9.0, reach: 0.0 };
 
-/// A pin that can be dragged; where the shot has none, one is placed.
+/// The target of a pin that can be dragged; places one if the shot has none.
 fn pin(session: &mut Session) -> ScreenPoint {
     if let Some(pin) = session.marks().iter().flat_map(|marks| &marks.pins).next() {
         return pin.target;
@@ -119,7 +119,7 @@ fn measure(name: &str, document: impl Fn() -> Document) {
     }
 }
 
-/// Moves of a drag: how long marks and pictures took. The pen stays down.
+/// Drags a pin; returns the milliseconds from each move to new marks and to a new picture. The button stays pressed.
 fn drag(session: &mut Session, from: ScreenPoint) -> (Vec<f64>, Vec<f64>) {
     session.press(from, (0.01, RING), Held::default());
     let (mut marks, mut pictures) = (Vec::new(), Vec::new());
@@ -142,7 +142,7 @@ fn drag(session: &mut Session, from: ScreenPoint) -> (Vec<f64>, Vec<f64>) {
     (marks, pictures)
 }
 
-/// A model that is too large to wait for its frames: it is dragged as soon as a pin is there.
+/// Measures a model that is too large to wait for its frames: the drag begins as soon as there is a pin.
 fn crowd(name: &str, document: impl Fn() -> Document) {
     let begun = Instant::now();
     let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
@@ -159,7 +159,7 @@ fn crowd(name: &str, document: impl Fn() -> Document) {
     println!("{name}: pointer to picture {}, {} x {}", spread(pictures), size[0], size[1]);
 }
 
-/// A long session: pins are dragged, undone, keyed in other frames; frames are looked at and rendered.
+/// A long session on many frames: pins are dragged, some drags are undone, frames are rendered.
 fn work(name: &str, document: impl Fn() -> Document) {
     let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
     assert!(session.settle(PATIENCE), "{:?}", session.fault());
@@ -188,23 +188,23 @@ fn work(name: &str, document: impl Fn() -> Document) {
     println!("{name}: {ROUNDS} drags in {:.0} s; memory after each quarter {} MiB", ms(begun) / 1e3, told.join(", "));
 }
 
-/// Seconds of all cores that this process has taken; `None`: the system does not tell.
+/// Processor time of this process over all cores, in seconds; `None` if the system does not provide it.
 fn processor_secs() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |place: usize| fields.get(place)?.parse::<f64>().ok();
-    // Clock ticks are hundredths of a second on Linux.
+    // On Linux clock ticks are hundredths of a second.
     Some((ticks(11)? + ticks(12)?) / 100.0)
 }
 
-/// Memory that this process holds.
+/// Resident memory of this process.
 fn resident_mib() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     Some(line.split_whitespace().next()?.parse::<f64>().ok()? / 1024.0)
 }
 
-/// Median and worst; the first of a drag prepares the solver.
+/// Median and 95th percentile, without the first move, which prepares the solver and is given separately.
 fn spread(mut times: Vec<f64>) -> String {
     let first = times.remove(0);
     times.sort_by(f64::total_cmp);

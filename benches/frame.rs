@@ -1,7 +1,7 @@
-//! Whole renders: how well the stages overlap, and whether memory stays flat.
+//! Whole renders: overlap of the stages, and growth of memory.
 //!
-//! Run with `cargo bench --bench frame`. Prints the memory of a long render after its first frames and at its end; then,
-//! for each scene, the time every stage was busy, the wall time, and its ratio to the slowest stage.
+//! Run with `cargo bench --bench frame`. Prints the memory of a long render after its first frames and at its end; then, for
+//! each scene, the busy time of every stage, the wall time, and its ratio to the slowest stage.
 
 use pinwarp::pipeline::{Event, Existing, PreparedShot, RenderOptions, Summary, render};
 use pinwarp::raster::DeviceChoice;
@@ -13,12 +13,12 @@ use std::sync::atomic::AtomicBool;
 /// Frames of the long render.
 const LONG: i32 = 200;
 
-/// Frames after which its memory is first looked at.
+/// Frames after which its memory is first read.
 const SETTLED: usize = 20;
 
 fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder can be made");
-    // First, while the process has held nothing else.
+    // This runs first, while the process holds no other memory.
     if let Some(prepared) = prepared("teapot", folder.path(), 4) {
         let memory = Mutex::new(Vec::new());
         let look = |event: Event| {
@@ -48,7 +48,7 @@ fn main() {
     }
 }
 
-/// A scene of the repository, its size divided by `shrink`, written into `folder`.
+/// A scene of the repository, prepared with its size divided by `shrink`; its frames go to `folder`.
 fn prepared(scene: &str, folder: &Path, shrink: u32) -> Option<PreparedShot> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene).join("shot.toml");
     let mut shot = match Shot::read(&path) {
@@ -81,7 +81,7 @@ fn print_row(name: &str, summary: &Summary) {
     );
 }
 
-/// Resident memory of this process; 0 where the system does not tell.
+/// Resident memory of this process; 0 if the system does not provide it.
 fn resident_mib() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));

@@ -1,6 +1,7 @@
 //! Time of the forward deformation of a million points: `cargo bench --bench lattice`.
 //!
-//! In: bent 15 x 15 lattices. Out: milliseconds in single precision on all threads and on one, and in double precision.
+//! In: bent 15 x 15 lattices. Out: milliseconds in single precision on all threads and on one, and in double precision on
+//! one.
 
 #[path = "support/stopwatch.rs"]
 mod stopwatch;

@@ -1,4 +1,4 @@
-//! What a host waits for: a frame with a cached solve, a drag, the parts of both. 1080p RGBA, 10 x 10 handles, 8 pins.
+//! Latency of the live interface: a frame with a cached solve, a drag, and their parts. 1080p RGBA, 10 x 10 handles, 8 pins.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use pinwarp::live::{Alpha, Controls, Mix, Picture, Pin, Render, ShapeSource, render_pieces, warp};
@@ -20,7 +20,7 @@ fn controls(nudge: f64) -> Controls {
 
 fn solves(criterion: &mut Criterion) {
     let count = AtomicU32::new(0);
-    // Every drag is another one: nothing is found in the cache.
+    // All drags differ, so that none is found in the cache.
     let drag = || controls(1e-5 * f64::from(count.fetch_add(1, Ordering::Relaxed)));
     criterion.bench_function("live/solve/dragged", |b| {
         b.iter(|| warp(&drag(), &ShapeSource::Frame, FRAME).expect("solves"))

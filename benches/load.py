@@ -1,9 +1,10 @@
-"""Measures how time and memory grow with a shot: frames, pixels, triangles, layers, keys, pins.
+"""Measures how time and memory grow with the size of a shot: frames, pixels, triangles, layers, keys, pins.
 
     python3 benches/load.py target/release/pinwarp [--devices cpu,vulkan] [--only NAME] [--most SHARE]
 
-In: the program. Out: a table in Markdown: seconds of wall time and of all cores, peak memory of the process (`wait4`), and the exponent by which the seconds
-of cores and the memory grew since the row above (1: linear). `--most 0.1` leaves out sizes above a tenth of the largest. Needs Python 3.10 and numpy.
+In: the program. Out: a Markdown table with wall time and processor time in seconds, peak memory of the process (`wait4`),
+and the exponents by which processor time and memory grew since the row above (1 means linear). `--most 0.1` omits sizes
+above a tenth of the largest. Needs Python 3.10 and numpy.
 """
 
 import argparse
@@ -35,7 +36,7 @@ CAMERA = 'camera = "front"'
 
 
 def grid(triangles: int, center: tuple[float, float], size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and indices of a bumpy square of about as many triangles."""
+    """Positions and indices of a bumpy square with approximately this number of triangles."""
     side = max(1, round(math.sqrt(triangles / 2)))
     line = np.linspace(-0.5, 0.5, side + 1, dtype=np.float32) * size
     x, y = np.meshgrid(line + np.float32(center[0]), line + np.float32(center[1]))
@@ -46,7 +47,7 @@ def grid(triangles: int, center: tuple[float, float], size: float) -> tuple[np.n
 
 
 def write_glb(path: pathlib.Path, meshes: list[tuple[np.ndarray, np.ndarray]]) -> None:
-    """A scene with a node `part N` for each mesh. Normals let triangles share their vertices."""
+    """A scene with a node `part N` for each mesh. It has normals, so that triangles share vertices."""
     blob, views, accessors, nodes, own = bytearray(), [], [], [], []
     for number, (positions, indices) in enumerate(meshes):
         normals = np.broadcast_to(np.float32([0, 0, 1]), positions.shape)
@@ -87,7 +88,7 @@ MOVED = pin(0.9, 0.5, key(1, 0, 0) + ", " + key(100, 0.05, 0.03))
 
 
 class Load:
-    """Where shots are made, and what was measured."""
+    """Creates shots in a work folder and measures the program on them."""
 
     def __init__(self, program: pathlib.Path, work: pathlib.Path, options: argparse.Namespace):
         self.program, self.work, self.options = program, work, options
@@ -100,7 +101,7 @@ class Load:
         return ["render", "shot.toml", "--overwrite"]
 
     def measure(self, words: list[str]) -> tuple[float, float, float]:
-        """Seconds of wall time and of all cores, and MiB at the peak."""
+        """Wall time and processor time in seconds, and peak memory in MiB."""
         with open(self.work / "said", "wb") as said:
             start = time.monotonic()
             process = subprocess.Popen([str(self.program), *words], cwd=self.work, stdout=said, stderr=said)
@@ -113,7 +114,7 @@ class Load:
         return wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
 
     def rows(self, what: str, sizes: list[int], prepare, devices: bool = True) -> None:
-        """Measures a growing shot; `prepare` makes it and gives the words of the command."""
+        """Measures a shot at growing sizes. `prepare` writes it and returns the arguments of the program."""
         if self.options.only not in what:
             return
         for device in self.options.devices.split(",") if devices else ["cpu"]:
@@ -140,7 +141,7 @@ def frames(load: Load):
 
 
 def pixels(load: Load):
-    """16:9 frames by their pixels; the last is 16K, and has to stay within the budget."""
+    """16:9 frames by number of pixels. The largest is 16K and has to stay within the memory budget."""
 
     def prepare(count: int) -> list[str]:
         width = round(math.sqrt(count * 16 / 9))
@@ -166,7 +167,7 @@ def triangles(load: Load):
 
 
 def layers(load: Load):
-    """A node, a lattice and two pins for each layer; ten frames."""
+    """One node, lattice and pair of pins per layer; ten frames."""
 
     def prepare(count: int) -> list[str]:
         side = math.ceil(math.sqrt(count))
@@ -184,7 +185,7 @@ def layers(load: Load):
 
 
 def keys(load: Load):
-    """Ten pins share the keys; ten frames in the middle are drawn."""
+    """Ten pins share the keys; ten frames in the middle are rendered."""
 
     def prepare(count: int) -> list[str]:
         write_glb(load.work / "scene.glb", [grid(2000, (0, 0), 1)])
@@ -199,7 +200,7 @@ def keys(load: Load):
 
 
 def pins(load: Load):
-    """All in one layer of 40 x 40 handles, in ten frames; they give way to each other, since they are more than handles can hold."""
+    """All pins in one layer of 40 x 40 handles; ten frames. Their weight is below 1, because they are more than the handles can satisfy."""
 
     def prepare(count: int) -> list[str]:
         write_glb(load.work / "scene.glb", [grid(20_000, (0, 0), 1)])

@@ -1,5 +1,5 @@
-//! What a compositing host waits for: render actions of the plugin, without the host's own time. 1080p RGBA float, 10 x 10
-//! handles, 8 pins, whole frames into the host's memory.
+//! Time of the plugin's render actions, without the time of the host itself. 1080p RGBA, 10 x 10 handles, 8 pins, whole
+//! frames into the host's memory.
 #![expect(unsafe_code, reason = "the tests' host of a C API")]
 
 #[allow(dead_code, unused_imports, reason = "tests use the rest of it")]

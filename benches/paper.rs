@@ -1,7 +1,8 @@
 //! The paper's tables for models of the same vertex counts: `cargo bench --bench paper`.
 //!
-//! In: `scenes/figures`. Out: Tables 1 and 2 in the paper's layout beside its printed figures; medians over all poses;
-//! with `-- sweep KIND WEIGHTS PADS RADIUS,WEIGHT` those of other regularisers, paddings of the box and discs of pins.
+//! In: `scenes/figures`. Out: Tables 1 and 2 in the paper's layout next to its printed figures, with medians over all poses.
+//! With `-- sweep KIND WEIGHTS PADS RADIUS,WEIGHT`, such medians for other regularisers, paddings of the box, and discs of
+//! pins.
 
 #[path = "support/stopwatch.rs"]
 mod stopwatch;
@@ -14,7 +15,8 @@ use pinwarp::solve::{Problem, Regularizer, Settings, SmoothingDisc};
 use std::path::Path;
 use stopwatch::fastest;
 
-/// Model, and the paper's milliseconds at 5 x 5, 10 x 10 and 15 x 15: first step of [Sorkine + Noh], second step, ours.
+/// Model, and the paper's milliseconds: first step of [Sorkine + Noh]; its second step at 5 x 5, 10 x 10 and 15 x 15; the
+/// paper's own method at these.
 const TABLE_2: [(&str, f64, [f64; 3], [f64; 3]); 6] = [
     ("ginger", 15.6, [3.0, 6.8, 19.2], [3.2, 6.4, 16.4]),
     ("frog", 23.8, [4.0, 8.6, 26.2], [4.4, 8.8, 25.8]),
@@ -25,7 +27,7 @@ const TABLE_2: [(&str, f64, [f64; 3], [f64; 3]); 6] = [
 ];
 const DIMS: [usize; 3] = [5, 10, 15];
 
-/// The paper's Table 1, angular and area, by key of our methods.
+/// The paper's Table 1: angular and area distortion, by key of the method.
 const TABLE_1: [(&str, [f64; 2]); 4] = [
     ("hsu", [0.21808, 0.14608]),
     ("mls", [0.21793, 0.15529]),
@@ -56,7 +58,7 @@ fn entry(method: &dyn Deformer<2>, problem: &Problem<2>) -> Entry<2> {
     })
 }
 
-/// The middle value, the mean of the two middle ones of an even number.
+/// The median; of an even number of values, the mean of the two middle ones.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
@@ -128,7 +130,8 @@ fn table_2(figures: &[Figure<2>]) {
     }
 }
 
-/// The default with other regularisers, weights and boxes: medians over all poses, folds, and how far handles stray.
+/// The default settings with other regularisers, weights and boxes: medians over all poses, folds, and how far handles
+/// stray.
 fn sweep(figures: &[Figure<2>], (kind, disc): (Regularizer, SmoothingDisc), weights: &[f64], pads: &[f64]) {
     println!(
         "regulariser    weight    pad | angle   area   | folded cells  stray | iterations  flips | worst angle  area"
@@ -161,7 +164,7 @@ fn sweep(figures: &[Figure<2>], (kind, disc): (Regularizer, SmoothingDisc), weig
     }
 }
 
-/// The figure with its box padded by a part of its size; as stored it is that of the model's bounds.
+/// The figure with its box padded by a fraction of its size. The stored box is the bounding box of the model.
 fn padded(figure: &Figure<2>, pad: f64) -> Figure<2> {
     let mut figure = figure.clone();
     let grid = &mut figure.grid;

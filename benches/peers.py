@@ -1,7 +1,7 @@
-"""Times public packages on the problems that `cargo bench --bench peers` hands over, as JSON on standard output.
+"""Times public packages on the problems written by `cargo bench --bench peers`; prints JSON.
 
-In: problem files (vertices, triangles, dims, bbox, pins by vertex). Out: milliseconds a peer, the fastest of several
-runs, one thread, and for the same solve its handles, so that the caller can compare results, too.
+In: problem files (vertices, triangles, dims, bbox, pins by vertex). Out: milliseconds per package, the fastest of several
+runs on one thread, and the handles of the equivalent solve, so that the caller can compare results.
 Packages: numpy, scipy, libigl; optionally bpy (Blender as a module).
 """
 
@@ -22,7 +22,7 @@ ITERATIONS = 10
 
 
 def fastest(run, seconds=1.0):
-    """Milliseconds of the fastest run, and the last result."""
+    """Milliseconds of the fastest run, and the result of the last one."""
     times, begin = [], time.perf_counter()
     while len(times) < 3 or time.perf_counter() - begin < seconds:
         start = time.perf_counter()
@@ -38,7 +38,7 @@ def bernstein(count, t):
 
 
 def lp_ffd(problem):
-    """The paper's solve: uniform edges, E_gr, ten local-global iterations, nothing computed beforehand."""
+    """The paper's solve: uniform edge weights, E_gr, ten local-global iterations, without any precomputation."""
     vertices, triangles = np.array(problem["vertices"]), np.array(problem["triangles"])
     low, high = np.array(problem["bbox"])
     unit = (vertices - low) / (high - low)
@@ -80,7 +80,7 @@ def lp_ffd(problem):
 
 
 def arap(problem):
-    """libigl's as-rigid-as-possible deformation of the mesh alone, ten iterations; vertices are the unknowns."""
+    """libigl's as-rigid-as-possible deformation of the mesh itself, without a lattice; ten iterations."""
     import igl
 
     vertices, triangles = np.array(problem["vertices"]), np.array(problem["triangles"], dtype=np.int64)
@@ -97,7 +97,7 @@ def arap(problem):
 
 
 def blender_lattice(points):
-    """Blender's lattice modifier (cubic B-spline, 15 x 15) on a mesh of so many points."""
+    """Blender's lattice modifier (cubic B-spline, 15 x 15) on a mesh with this number of points."""
     import bpy
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -145,7 +145,7 @@ def main():
         answer["blender_ms"] = fastest(blender_lattice(int(sys.argv[1])))[0]
     except ImportError:
         pass
-    # Blender prints on standard output, too: the answer is the last line.
+    # Blender prints to standard output, too, so the result is on the last line.
     print("\n" + json.dumps(answer))
 
 

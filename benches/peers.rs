@@ -1,7 +1,7 @@
-//! Ratios against public packages in one run: `cargo bench --bench peers`.
+//! Times relative to public packages, measured in one run: `cargo bench --bench peers`.
 //!
-//! Needs Python 3 with numpy, scipy and libigl, and bpy for Blender's lattice (`PYTHON` names another interpreter);
-//! says so where they are missing. In: the blobs of the solve bench. Out: milliseconds of both sides and their ratio.
+//! Needs Python 3 with numpy, scipy and libigl, and bpy for Blender's lattice (`PYTHON` names another interpreter); prints a
+//! message if they are missing. In: the blobs of the solve bench. Out: milliseconds of both sides and their ratio.
 
 #[path = "support/blob.rs"]
 mod blob;
@@ -16,10 +16,10 @@ use std::path::PathBuf;
 use std::process::Command;
 use stopwatch::fastest;
 
-/// Points of the forward deformation: a square of them.
+/// Number of points of the forward deformation; they form a square.
 const POINTS: usize = 1_000_000;
 
-/// A problem file and our milliseconds on it.
+/// A problem file and pinwarp's milliseconds for it.
 struct Case {
     name: String,
     path: PathBuf,
@@ -55,7 +55,7 @@ fn case(count: usize, dims: usize, folder: &std::path::Path) -> Case {
     Case { path: write(&name, &shape, &grid(Basis::Bernstein), folder), name, paper_ms, default_ms, handles }
 }
 
-/// Our forward deformation, milliseconds on all threads.
+/// Milliseconds of pinwarp's forward deformation on all threads.
 fn display_ms() -> f64 {
     let lattice = Grid { dims: [15, 15], basis: Basis::Bspline, lo: [-0.5, -0.5], hi: [0.5, 0.5] }.at_rest();
     let warp = DisplayWarp::new(&lattice);
@@ -65,7 +65,7 @@ fn display_ms() -> f64 {
     fastest(|| warp.warp(&mut points)).0
 }
 
-/// The answer of the Python side, if there is one.
+/// The output of the Python script; `None` if it fails.
 fn peers(cases: &[Case]) -> Option<Value> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peers.py");
     let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());

@@ -1,8 +1,8 @@
-"""Times OpenCV and OpenImageIO on the warp that `cargo bench --bench plate` hands over, one run a line.
+"""Times OpenCV and OpenImageIO on the warp written by `cargo bench --bench plate`, one run per line of input.
 
-In: arguments width, height, a file of the source (RGBA float32, interleaved) and one of offsets (x, y float32 a pixel);
-then on standard input lines "opencv cubic 2" (package, filter, threads). Out: milliseconds a line, or "-" where the
-package is missing. Both packages write into memory that is there already.
+In: the arguments width, height, a file of the source (interleaved RGBA float32) and one of offsets (x, y float32 per
+pixel); then on standard input lines such as "opencv cubic 2" (package, filter, threads). Out: milliseconds per line, or
+"-" if the package is missing. Both packages write into allocated memory.
 """
 
 import sys

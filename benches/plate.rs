@@ -1,7 +1,8 @@
-//! Warps of finished frames, against OpenCV and OpenImageIO in one run: `cargo bench --bench plate`.
+//! Warps of finished frames next to OpenCV and OpenImageIO, measured in one run: `cargo bench --bench plate`.
 //!
-//! Needs Python 3 with numpy, opencv-python and OpenImageIO (`PYTHON` names another interpreter); says so where they
-//! are missing; likewise for the Vulkan device, whose rows include the way there and back. All runs of a size take turns, the fastest of each counts: other work on the machine disturbs all alike.
+//! Needs Python 3 with numpy, opencv-python and OpenImageIO (`PYTHON` names another interpreter), and a Vulkan device;
+//! prints a message if they are missing. Rows of the Vulkan device include the transfers. All rows of a size run in turn and
+//! the fastest run of each counts, so that other load on the computer affects all rows alike.
 
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, Filter, Planes, WarpMap, resample_into, resampled};
@@ -14,16 +15,16 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-/// Turns that everybody gets at least, and at most.
+/// Smallest and largest number of runs per row.
 const TURNS: [usize; 2] = [2, 25];
-/// Milliseconds after which one gets no more turns.
+/// A row is not run again after this many milliseconds in total.
 const ENOUGH_MS: f64 = 3000.0;
 
 /// A warp to time.
 struct Case {
     frame: FrameSize,
     map: WarpMap,
-    /// A lattice of 10 x 10 handles over the whole frame.
+    /// The field of a lattice of 10 x 10 handles over the whole frame.
     field: Field,
     planes: Vec<Vec<f32>>,
 }
@@ -36,20 +37,20 @@ struct Row {
 
 #[derive(Clone, Copy)]
 enum Run {
-    /// Building the map from a field.
+    /// Computing the map of a field.
     Map,
-    /// Ours, into memory that is there.
+    /// Resampling by pinwarp into allocated memory.
     Ours(Filter),
-    /// Ours, into fresh memory.
+    /// Resampling by pinwarp into new memory.
     Fresh(Filter),
-    /// Ours, on the Vulkan device.
+    /// Resampling by pinwarp on the Vulkan device.
     Device(Filter),
-    /// Package and filter.
+    /// Resampling by a package: its name and the filter.
     Peer(&'static str),
 }
 
 impl Case {
-    /// A picture of noise on waves, carried by a smooth warp that shrinks and grows by a tenth and turns a little.
+    /// A picture of noise on waves, and a smooth warp that scales by up to a tenth and rotates slightly.
     fn new(width: u32, height: u32) -> Self {
         let frame = FrameSize::new(width, height);
         let mut map = WarpMap::identity(frame, frame.window());
@@ -68,7 +69,7 @@ impl Case {
         Planes { window: self.frame.window(), planes: self.planes.iter().map(Vec::as_slice).collect() }
     }
 
-    /// Writes what the peers read: interleaved samples and offsets.
+    /// Writes the input of the Python script: interleaved samples and offsets.
     fn write(&self, folder: &Path) {
         let area = self.frame.window().area();
         let texels: Vec<f32> =
@@ -80,7 +81,7 @@ impl Case {
     }
 }
 
-/// A smooth warp of the whole picture, up to a twentieth of its height.
+/// A smooth warp of the whole picture, by up to a twentieth of its height.
 fn field(frame: FrameSize) -> Field {
     let mut lattice = Grid { dims: [10, 10], basis: Basis::Bspline, lo: [0.0; 2], hi: [frame.aspect(), 1.0] }.at_rest();
     for (k, handle) in lattice.handles.iter_mut().enumerate() {
@@ -90,7 +91,7 @@ fn field(frame: FrameSize) -> Field {
     Field::of_picture(lattice)
 }
 
-/// The Python process that times the peers.
+/// The Python process that times the other packages.
 struct Peers {
     child: Child,
     ask: ChildStdin,
@@ -109,7 +110,7 @@ impl Peers {
         Some(Self { child, ask, answers })
     }
 
-    /// Milliseconds of one run; NaN where nobody answers.
+    /// Milliseconds of one run; NaN if the process does not answer.
     fn time(&mut self, what: &str, threads: usize) -> f64 {
         let mut answer = String::new();
         let asked = writeln!(self.ask, "{what} {threads}").and_then(|()| self.answers.read_line(&mut answer));
@@ -122,7 +123,7 @@ impl Peers {
     }
 }
 
-/// Who else takes part.
+/// The other packages and the Vulkan device, as far as they are available.
 struct Others {
     peers: Option<Peers>,
     device: Option<VulkanRemap>,
@@ -171,7 +172,7 @@ fn time(run: Run, case: &Case, pool: &ThreadPool, outputs: &mut [Vec<f32>], othe
     start.elapsed().as_secs_f64() * 1e3
 }
 
-/// The fastest run of every row with so many threads.
+/// The fastest run of every row with this number of threads.
 fn measure(case: &Case, threads: usize, others: &mut Others) -> Vec<f64> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
     let mut outputs = vec![vec![0.0; case.frame.window().area()]; 4];

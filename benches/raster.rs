@@ -1,4 +1,4 @@
-//! How long a frame takes: a bumpy ball of 100,000 triangles, all channels, split by stage.
+//! Time of a frame by stage: a bumpy ball of 100,000 triangles, all channels.
 //!
 //! Run with `cargo bench --bench raster`. Prints medians in milliseconds.
 
@@ -13,7 +13,7 @@ use pinwarp::scene::{Material, Scene};
 use pinwarp::space::FrameSize;
 use std::time::{Duration, Instant};
 
-/// Frames a case is drawn; the median counts.
+/// Frames drawn per case; the median is printed.
 const RUNS: usize = 9;
 
 /// Rings and segments of the ball: 100,000 triangles.
@@ -52,9 +52,9 @@ fn main() {
     }
 }
 
-/// The Vulkan raster beside a bare draw and copy of the same mesh with the same shaders and images, taken in turns:
-/// until the bytes are in mapped memory (bare), and until they are in the program's own (kept). The ratio is that of
-/// the whole frame to as many bare ones as there are samples; of the times, and of the time spent on cores.
+/// The Vulkan raster next to a bare draw and copy of the same mesh with the same shaders and images, alternating. The bare
+/// frame is timed until its bytes are in mapped memory (bare) and until they are in the program's own memory (kept). The
+/// ratios compare the whole frame with one bare frame per sample, in elapsed time and in processor time.
 fn bench_vulkan(scene: &Scene, cases: &[Case]) {
     let mut raster = match VulkanRaster::open(&DeviceChoice::Vulkan, scene) {
         Ok(raster) => raster,
@@ -79,7 +79,7 @@ fn measure_vulkan(raster: &mut VulkanRaster, case: &Case) -> [f64; 9] {
         let time = draw_frame(raster, &geometry, case);
         let (stages, middle) = (raster.stage_times(), cpu_secs().unwrap_or(0.0));
         let times = raster.time_bare_frame(&bare_target, &geometry).expect("the window is small");
-        // The first frame makes pipelines and images.
+        // The first frame is not counted, because it creates pipelines and images.
         if run > 0 {
             whole.push((time, stages));
             bare.push(times.device);
@@ -99,10 +99,10 @@ fn measure_vulkan(raster: &mut VulkanRaster, case: &Case) -> [f64; 9] {
     [ms(time), upload, draw, read, bare, kept, ratio(bare), ratio(kept), cores[0] / (cores[1] * samples)]
 }
 
-/// Time that all threads of the process spent on a core, which other processes disturb less; Linux only.
+/// Processor time of all threads of the process, which other processes affect less than elapsed time; Linux only.
 fn cpu_secs() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The fields after the program's name; user and system time are the 12th and 13th, in hundredths of a second.
+    // The fields after the program's name. User and system time are the 12th and 13th of them, in hundredths of a second.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
 }

@@ -1,16 +1,18 @@
-"""Kills pinwarp with SIGKILL at random moments, fills its disk and slows it down, and looks at what is left.
+"""Kills pinwarp with SIGKILL at random moments, fills its disk and slows it down, and checks the files that are left.
 
     python3 benches/soak.py target/release/pinwarp [--kills 400] [--seed N] [--devices cpu,vulkan] [--only NAME]
 
-In: the program. Out: a line for each case; exit code 1 where a rule was broken, with the seed that repeats the choice of moments. The rules:
+In: the program. Out: a line per case; exit code 1 if a rule is violated, with the seed that repeats the random choices.
+The rules:
 
-- A file under a final name is whole: its bytes are those of a run that nobody disturbed. This is checked after every single kill.
-- `--resume` ends with exactly those files; nothing temporary stays, hidden files included.
-- A chunk that fails or is killed can be started again, at the same time as others, until all are done (what a farm does).
-- On a full disk the exit code is 1 or 2, never a signal, and the message names the file, says that no space is left and what to do.
+- A file under a final name is complete: it has the bytes of an undisturbed run. This is checked after every kill.
+- A run with `--resume` ends with exactly those files. No temporary or hidden files are left.
+- A chunk that fails or is killed can be restarted, in parallel with others, until all are done (as a farm does).
+- On a full disk the exit code is 1 or 2, never a signal. The message names the file, says that no space is left, and what
+  to do.
 
-Needs only Python 3.10 and Linux. File systems are mounted where the user may (root); otherwise that part is skipped, and the last lines say so.
-`openjd` (PyPI `openjd-cli`) and `strace` are used where they are found.
+Needs only Python 3.10 and Linux. Mounting file systems requires root; otherwise that part is skipped, as the last lines
+report. `openjd` (PyPI `openjd-cli`) and `strace` are used if they are installed.
 """
 
 import argparse
@@ -29,27 +31,27 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FRAMES = 12
-# Longest that a run may take, seconds: one that hangs is a fault.
+# Longest duration of a run in seconds; a longer run counts as hung.
 PATIENCE = 300
-# What lies in a folder of frames beside them, and is meant to stay.
+# Folder next to the frames that is meant to stay.
 TRAJECTORIES = ".pinwarp-trajectories"
 
 
 class Broken(Exception):
-    """A rule that does not hold."""
+    """A violated rule."""
 
 
 @dataclasses.dataclass
 class Job:
-    """A command that makes a folder of files; `{out}` stands for the folder."""
+    """A command that fills a folder with files; `{out}` stands for the folder."""
 
     name: str
     words: list[str]
-    # Bytes of each file, and seconds, of a run that nobody disturbed.
+    # Contents of each file of an undisturbed run, and its duration.
     files: dict[str, bytes] = dataclasses.field(default_factory=dict)
     seconds: float = 0.0
     kills: int = 0
-    # Runs that ended before their kill.
+    # Number of runs that ended before they were killed.
     early: int = 0
 
     def command(self, out: pathlib.Path, *more: str) -> list[str]:
@@ -57,13 +59,13 @@ class Job:
 
 
 class Soak:
-    """The work folder, the program and the dice."""
+    """The work folder, the program and the random generator."""
 
     def __init__(self, program: pathlib.Path, work: pathlib.Path, dice: random.Random):
         self.program, self.work, self.dice = program, work, dice
         self.skipped: list[str] = []
         self.kills = 0
-        # Kills that left a file half-written, under its temporary name.
+        # Number of kills that left an incomplete file under its temporary name.
         self.partial = 0
 
     def start(self, words: list[str], before: tuple[str, ...] = ()) -> subprocess.Popen:
@@ -81,7 +83,7 @@ class Soak:
         return (self.work / "said").read_text(errors="replace")
 
     def run(self, words: list[str], code: int | None = 0, before: tuple[str, ...] = ()) -> int:
-        """Runs to the end; `code` is what the run has to end with."""
+        """Runs a command to its end and checks its exit code, unless `code` is `None`."""
         process = self.start(words, before)
         try:
             ended = process.wait(PATIENCE)
@@ -103,13 +105,13 @@ class Soak:
 
 
 def kill_all(process: subprocess.Popen) -> None:
-    """SIGKILL for a process and all that it has started, then for its group."""
+    """Sends SIGKILL to a process and all its descendants, and waits until they are gone."""
     children = descendants(process.pid)
     for pid in [process.pid, *children]:
         with contextlib.suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
     process.wait()
-    # Locks of a killed process end when it is gone, not when it is told to.
+    # The locks of a killed process are released when it is gone, not when the signal is sent.
     while any(os.path.exists(f"/proc/{pid}") for pid in children):
         time.sleep(0.001)
 
@@ -131,7 +133,7 @@ def descendants(pid: int) -> list[int]:
 
 
 def listed(folder: pathlib.Path) -> dict[str, pathlib.Path]:
-    """All files below a folder by name, without solved trajectories under their final names."""
+    """All files below a folder by name, except solved trajectories under their final names."""
     files = {str(file.relative_to(folder)): file for file in sorted(folder.rglob("*")) if file.is_file()}
     kept = re.compile(re.escape(TRAJECTORIES) + r"/[^./][^/]*(?<!\.tmp)")
     return {name: file for name, file in files.items() if not kept.fullmatch(name)}
@@ -142,7 +144,7 @@ def is_temporary(name: str) -> bool:
 
 
 def check_whole(job: Job, folder: pathlib.Path) -> int:
-    """Every file under a final name has the bytes of the undisturbed run; how many there are."""
+    """Checks that every file under a final name has the bytes of the undisturbed run; returns their number."""
     finals = {name: file for name, file in listed(folder).items() if not is_temporary(name)}
     for name, file in finals.items():
         if name not in job.files:
@@ -153,7 +155,7 @@ def check_whole(job: Job, folder: pathlib.Path) -> int:
 
 
 def check_finished(job: Job, folder: pathlib.Path) -> None:
-    """The same files as the undisturbed run, and nothing else."""
+    """Checks that the folder has the files of the undisturbed run and no others."""
     check_whole(job, folder)
     names = set(listed(folder))
     if names != set(job.files):
@@ -161,7 +163,7 @@ def check_finished(job: Job, folder: pathlib.Path) -> None:
 
 
 def shots(work: pathlib.Path) -> None:
-    """Shots, and plates for `warp`, small enough for hundreds of runs."""
+    """Writes shots, small enough for hundreds of runs."""
     for name in ("teapot/teapot.glb", "flag/flag.png", "flag/pole.png"):
         shutil.copy(ROOT / "scenes" / name, work)
     teapot = (ROOT / "scenes/teapot/shot.toml").read_text()
@@ -177,12 +179,12 @@ def shots(work: pathlib.Path) -> None:
 
 
 def jobs(soak: Soak, devices: list[str]) -> list[Job]:
-    """What is killed. The undisturbed runs are made here."""
+    """The commands to kill, with the files of their undisturbed runs."""
     shots(soak.work)
     soak.run(["render", "teapot.toml", "--device", "cpu", "-o", "plates/p.####.exr"])
     soak.run(["render", "teapot.toml", "--device", "cpu", "-o", "stills/s.####.exr", "--preview"])
     render = ["render", "teapot.toml", "-o", "{out}/f.####.exr", "--preview", "--device"]
-    # A software driver resamples only where it is named by its index.
+    # A software Vulkan driver is used for resampling only if its index is given.
     named = {"cpu": ("cpu", "cpu"), "vulkan": ("vulkan", "0")}
     all_jobs = []
     for device in devices:
@@ -210,7 +212,7 @@ def jobs(soak: Soak, devices: list[str]) -> list[Job]:
 
 
 def wait_for_the_moment(soak: Soak, job: Job, folder: pathlib.Path, process: subprocess.Popen) -> bool:
-    """Half of the kills come at any time of the run, half while a file is being written. Whether the run still lives."""
+    """Waits until a random moment of the run, in half of all cases one while a file is being written; returns whether it still runs."""
     end = time.monotonic() + soak.dice.uniform(0, job.seconds)
     while_writing = soak.dice.random() < 0.5
     while time.monotonic() < end:
@@ -229,7 +231,7 @@ def wait_for_the_moment(soak: Soak, job: Job, folder: pathlib.Path, process: sub
 def kill_once(
     soak: Soak, job: Job, folder: pathlib.Path, words: list[str], before: tuple[str, ...] = (), may_fail: bool = False
 ) -> None:
-    """Starts a run and kills it, if it lives that long; what it leaves is whole."""
+    """Starts a run and kills it, unless it ends before; checks that the files left are complete."""
     process = soak.start(words, before)
     if wait_for_the_moment(soak, job, folder, process):
         kill_all(process)
@@ -245,7 +247,7 @@ def kill_once(
 
 
 def kills(soak: Soak, job: Job, count: int) -> None:
-    """Up to four kills in a folder, then the run that finishes."""
+    """Kills up to four runs in a folder, then lets one finish; repeats until `count` kills are reached."""
     runs = 0
     while job.kills < count:
         folder = soak.folder("killed")
@@ -259,7 +261,7 @@ def kills(soak: Soak, job: Job, count: int) -> None:
 
 
 def farm(soak: Soak, job: Job) -> None:
-    """Chunks in any order, two at once, each killed or not, and tried again until it ends well; then the report."""
+    """Runs chunks in random order, two at a time; kills some and restarts them until all succeed; then runs the report."""
     folder = soak.folder("farm")
     size = soak.dice.randint(1, 5)
     waiting = [(first, min(first + size - 1, FRAMES)) for first in range(1, FRAMES + 1, size)]
@@ -295,12 +297,12 @@ def farm(soak: Soak, job: Job) -> None:
 
 
 def openjd(soak: Soak, job: Job, times: int) -> None:
-    """The job template, whose run is killed with all that it started, and submitted again."""
+    """Runs the job template with openjd, kills it with all its descendants and runs it again, `times` times."""
     beside = pathlib.Path(sys.executable).with_name("openjd")
     tool = str(beside) if beside.is_file() else shutil.which("openjd")
     if tool is None:
         return soak.skip("the job template: openjd (PyPI openjd-cli) is not installed")
-    # The shot's own output.
+    # The output folder that the shot itself names.
     folder = soak.folder("openjd")
     more = [word for word in job.words[2:] if word not in ("-o", "{out}/f.####.exr")]
     program = ["--program", str(soak.program), "--chunk", "3"]
@@ -324,7 +326,7 @@ def openjd(soak: Soak, job: Job, times: int) -> None:
 
 @contextlib.contextmanager
 def mounted(soak: Soak, kind: str, options: str, size_kib: int):
-    """A file system of its own; gives its folder, or `None` where it cannot be mounted."""
+    """Mounts a new file system; yields its folder, or `None` if it cannot be mounted."""
     folder = soak.folder("disk")
     folder.mkdir()
     image = soak.work / "disk.img"
@@ -353,7 +355,7 @@ def succeeds(command: list[str]) -> bool:
 
 
 def fill(disk: pathlib.Path, left_kib: int) -> pathlib.Path:
-    """Fills a disk with one file, up to the space that is to be left."""
+    """Fills a disk with one file, except for the given space."""
     ballast = disk / "ballast"
     with open(ballast, "wb", buffering=0) as file:
         with contextlib.suppress(OSError):
@@ -366,7 +368,7 @@ def fill(disk: pathlib.Path, left_kib: int) -> pathlib.Path:
 
 
 def full_disk(soak: Soak, job: Job, kind: str, share: float) -> None:
-    """A disk that holds less than all files, on which runs are killed, too; then it gets room, and the rest is made."""
+    """Runs on a disk too small for all files, and kills some of the runs; then frees space and finishes."""
     needed = sum(map(len, job.files.values())) >> 10
     with mounted(soak, kind, "rw", 2 * needed + 8192) as disk:
         if disk is None:
@@ -391,7 +393,7 @@ def full_disk(soak: Soak, job: Job, kind: str, share: float) -> None:
 
 
 def slow_disk(soak: Soak, job: Job, count: int) -> None:
-    """Every write waits for a device; then every write takes 5 ms. Runs are killed on both."""
+    """Kills runs on a file system with synchronous writes, then runs in which every write takes 5 ms longer."""
     with mounted(soak, "ext4", "sync", 65536) as disk:
         if disk is not None:
             kill_and_finish(soak, job, disk / "out", count, ())

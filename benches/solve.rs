@@ -1,7 +1,7 @@
 //! Time of solves, printed as tables: `cargo bench --bench solve`.
 //!
-//! In: generated blobs with the vertex counts of the paper's time table. Out: milliseconds beside the paper's
-//! (column "Ours", a 1.5 GHz laptop): cold solves and single steps on one thread; drag updates; a million vertices.
+//! In: generated blobs with the vertex counts of the paper's time table. Out: milliseconds next to the paper's (column
+//! "Ours", a 1.5 GHz laptop): cold solves and single steps on one thread; drag updates; a million vertices.
 
 #[path = "support/blob.rs"]
 mod blob;
@@ -25,17 +25,17 @@ const PAPER: [(&str, usize, [f64; 3]); 6] = [
 ];
 const DIMS: [usize; 3] = [5, 10, 15];
 
-/// Moves of a drag, each a hundredth of a radian.
+/// Moves of a drag, each by a hundredth of a radian.
 const DRAG_MOVES: usize = 31;
 
-/// Times that a drag is repeated.
+/// Number of times that a drag is repeated.
 const DRAGS: usize = 9;
 
 fn grid(dims: usize, basis: Basis) -> Grid<2> {
     Grid { dims: [dims, dims], basis, lo: [-0.7, -0.6], hi: [0.7, 0.6] }
 }
 
-/// One row of the cold table: whole solves from nothing.
+/// One row of the table of cold solves, which include all preparation.
 fn cold_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis, paper: [f64; 3]) {
     print!("{name:9} {:4}", shape.points.len());
     for (dims, paper) in DIMS.into_iter().zip(paper) {
@@ -56,10 +56,10 @@ fn cold_table(title: &str, settings: &Settings, basis: Basis) {
     }
 }
 
-/// Steps that the time of one is taken from.
+/// Number of steps over which the time of one is averaged.
 const STEPS: usize = 40;
 
-/// One local-global step of a prefactored problem: the time of many steps less the time of one.
+/// Time of one local-global step of a prefactored problem: many steps minus one step, divided by their number.
 fn step_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis, paper: [f64; 3]) {
     print!("{name:9} {:4}", shape.points.len());
     for (dims, paper) in DIMS.into_iter().zip(paper) {
@@ -84,7 +84,7 @@ fn step_table(title: &str, settings: &Settings, basis: Basis) {
     }
 }
 
-/// Converged updates of a drag, with report: medians over its moves.
+/// Converged updates of a drag, with reports: medians over its moves.
 fn update_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis) {
     print!("{name:9} {:7}", shape.points.len());
     for dims in DIMS {
@@ -108,7 +108,7 @@ fn update_row(name: &str, shape: &Shape<2>, settings: &Settings, basis: Basis) {
     println!();
 }
 
-/// The moves of a drag one after the other: median of the least times of a few drags.
+/// Time of a move when the moves of a drag follow each other: the median over the moves of the fastest of a few drags.
 fn drag_row(
     solver: &Solver<2>,
     swing: &[Vec<PointPin<2>>],
@@ -125,7 +125,7 @@ fn drag_row(
     median(least)
 }
 
-/// Least time of a few runs, in milliseconds.
+/// Time of the fastest of a few runs, in milliseconds.
 fn fastest_of(runs: usize, mut run: impl FnMut()) -> f64 {
     let time = |_| {
         let start = Instant::now();
@@ -135,7 +135,7 @@ fn fastest_of(runs: usize, mut run: impl FnMut()) -> f64 {
     (0..runs).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// The middle value.
+/// The median.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]

@@ -1,7 +1,8 @@
-"""Times `pinwarp.warp` from Python beside `cv2.remap` and a plain copy of the same picture.
+"""Times `pinwarp.warp` from Python next to `cv2.remap` and a plain copy of the same picture.
 
-Usage: python benches/wheel.py [RUNS], in an environment with the wheel, NumPy and OpenCV. Prints a table in Markdown: median
-milliseconds a picture on all cores. `warp` solves its four pins and finds the inverse map itself; `cv2.remap` is given a map.
+Usage: python benches/wheel.py [RUNS], in an environment with the wheel, NumPy and OpenCV. Prints a Markdown table with the
+median milliseconds per picture on all cores. `warp` includes the solve for four pins and the inversion of the map;
+`cv2.remap` gets a finished map.
 """
 
 import statistics
@@ -13,7 +14,7 @@ import numpy
 import pinwarp
 
 SIZES = {"1920 x 1080": (1080, 1920), "3840 x 2160": (2160, 3840)}
-# Pins at rest and their targets, frame heights from the lower left corner.
+# Rest positions and targets of the pins, in frame heights from the lower left corner.
 PINS = [[0.4, 0.5, 0.5, 0.6], [1.3, 0.5, 1.3, 0.4], [0.8, 0.2, 0.8, 0.2], [0.9, 0.8, 0.9, 0.8]]
 
 
@@ -44,7 +45,7 @@ def main():
             y, x = numpy.mgrid[0:height, 0:width].astype(numpy.float32)
             where = (x + 30 * numpy.sin(y / 90), y + 30 * numpy.sin(x / 70))
             warp = median_ms(lambda: pinwarp.warp(image, PINS), runs)
-            # OpenCV has no pictures of halves.
+            # OpenCV does not support half floats.
             remap = "-" if dtype == numpy.float16 else f"{median_ms(lambda: cv2.remap(image, *where, cv2.INTER_CUBIC), runs):.1f}"
             copy = median_ms(image.copy, runs)
             print(f"| {name}, {numpy.dtype(dtype).name} | {warp:.1f} | {remap} | {copy:.1f} |")

@@ -1,47 +1,48 @@
-// Draws warped triangles: bindings and entry points around the functions of shading.wgsl.
+// Draws warped triangles: bindings and entry points for the functions of shading.wgsl.
 //
-// In: vertices, one material, lights. Out: colour (linear, associated alpha) and data, as the entry point says.
-// build.rs compiles each fragment entry once for every meaning of ALPHA and TEXTURES that it can meet.
+// In: vertices, one material, lights. Out: colour (linear, associated alpha), data channels or both, depending on the
+// entry point.
+// build.rs compiles each fragment entry for every combination of ALPHA and TEXTURES that is used.
 
-/// What alpha means: 0 nothing (opaque), 1 cut at the material's cutoff, 2 coverage.
+/// Alpha mode: 0 opaque, 1 cut off at the material's cutoff, 2 blended (alpha is coverage).
 override ALPHA: u32 = 0u;
 
-/// Which textures are read: 0 none, 1 base colour, 2 all.
+/// Textures that are read: 0 none, 1 base colour, 2 all.
 override TEXTURES: u32 = 2u;
 
-/// Base colour only, no shading. Not a uniform: drivers that inline uniforms which decide branches (llvmpipe) would
-/// compile the shader anew for every draw.
+/// Base colour only, no shading. An override instead of a uniform, because drivers that specialise shaders for uniforms
+/// in branches (llvmpipe) would compile the shader again for every draw.
 override UNLIT: bool = false;
 
-/// Blended surfaces count in data channels from this alpha on.
+/// Smallest alpha at which blended surfaces are written to data channels.
 const DATA_ALPHA: f32 = 0.5;
 
-/// What changes between draws; 16 bytes.
+/// Constants of a draw; 16 bytes.
 struct Push {
-    /// Pixels a frame height, across and up.
+    /// Pixels per frame height, across and up.
     pixels_from_screen: vec2<f32>,
-    /// id.layer, id.object.
+    /// Values of the channels id.layer and id.object.
     ids: vec2<f32>,
 }
 
-/// The pass: where the viewer is, and the lights.
+/// Constants of a pass: position of the viewer, and lights.
 struct Pass {
-    /// Eye position, w = 1; or the unit vector towards the viewer of a parallel camera, w = 0.
+    /// Eye position with w = 1, or for a parallel camera the unit vector towards the viewer with w = 0.
     eye: vec4<f32>,
-    /// Strength of the neutral surroundings.
+    /// Strength of the neutral environment.
     environment: f32,
     light_count: u32,
     padding: vec2<u32>,
     lights: array<Light>,
 }
 
-/// Rows of texture_from_uv; row_u.w = 0 or 1, the UV set; row_v.w = 1 where there is a texture.
+/// Rows of texture_from_uv. row_u.w is the UV set, 0 or 1; row_v.w is 1 if there is a texture.
 struct TexturePlace {
     row_u: vec4<f32>,
     row_v: vec4<f32>,
 }
 
-/// A material's numbers; 240 bytes.
+/// Factors of a material; 240 bytes.
 struct Material {
     base_color: vec4<f32>,
     emissive: vec3<f32>,
@@ -51,7 +52,7 @@ struct Material {
     occlusion_strength: f32,
     cutoff: f32,
     padding: array<vec4<f32>, 2>,
-    /// Base colour, metallic-roughness, normal, occlusion, emissive.
+    /// In the order base colour, metallic-roughness, normal, occlusion, emissive.
     places: array<TexturePlace, 5>,
 }
 
@@ -67,7 +68,8 @@ var<immediate> push: Push;
 @group(1) @binding(7) var normal_sampler: sampler;
 @group(1) @binding(8) var occlusion_sampler: sampler;
 @group(1) @binding(9) var emissive_sampler: sampler;
-// Not a storage buffer: llvmpipe reads zeros from those in helper invocations, which spoils derivatives at edges.
+// A uniform buffer, because llvmpipe reads zeros from storage buffers in helper invocations, which makes derivatives at
+// edges wrong.
 @group(1) @binding(10) var<uniform> material: Material;
 
 struct VertexIn {
@@ -81,12 +83,12 @@ struct VertexIn {
     @location(5) tangent: vec4<f32>,
     @location(6) uv: vec4<f32>,
     @location(7) color: vec4<f32>,
-    /// Position in clip space, y down, on the sub-pixel grid.
+    /// Position in clip space, y down, snapped to the sub-pixel grid.
     @location(8) clip_position: vec4<f32>,
 }
 
 struct Varying {
-    // Colour and data drawn apart meet the same depths.
+    // Invariant, so that separate passes for colour and data compute equal depths.
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) position_depth: vec4<f32>,
     @location(1) normal: vec3<f32>,
@@ -95,7 +97,7 @@ struct Varying {
     @location(4) tangent: vec4<f32>,
     @location(5) uv: vec4<f32>,
     @location(6) color: vec4<f32>,
-    /// Homogeneous screen position now, as `next` and `previous`: x·w, y·w, w.
+    /// Homogeneous screen position at this time, like `next` and `previous`: x·w, y·w, w.
     @location(7) here: vec3<f32>,
 }
 
@@ -126,7 +128,7 @@ fn vertex(in: VertexIn) -> Varying {
     );
 }
 
-/// What the textures hold at a point; without a texture: white, or a flat normal.
+/// Values of the textures at a point; white, or the unperturbed normal, if there is no texture.
 struct Texels {
     base_color: vec4<f32>,
     metallic_roughness: vec4<f32>,
@@ -145,7 +147,7 @@ fn read_normal(in: Varying, place: TexturePlace, scale: f32) -> vec3<f32> {
     return select(vec3<f32>(0.0, 0.0, 1.0), normal_from_texel(texel, scale), place.row_v.w > 0.5);
 }
 
-/// All that shading needs.
+/// Reads all textures that shading needs.
 fn read_texels(in: Varying) -> Texels {
     var texels = Texels(vec4<f32>(1.0), vec4<f32>(1.0), vec3<f32>(0.0, 0.0, 1.0), 1.0, vec3<f32>(1.0));
     if TEXTURES >= 1u {
@@ -164,7 +166,7 @@ fn read_texels(in: Varying) -> Texels {
     return texels;
 }
 
-/// The part of the textures that data channels need: alpha where it matters, and the normal map.
+/// Reads the textures that data channels need: alpha unless the surface is opaque, and the normal map.
 fn read_data_texels(in: Varying) -> Texels {
     var texels = Texels(vec4<f32>(1.0), vec4<f32>(1.0), vec3<f32>(0.0, 0.0, 1.0), 1.0, vec3<f32>(1.0));
     if TEXTURES >= 1u && ALPHA != 0u {
@@ -177,12 +179,12 @@ fn read_data_texels(in: Varying) -> Texels {
     return texels;
 }
 
-/// Coverage before the alpha mode has its say.
+/// Alpha before the alpha mode is applied.
 fn raw_alpha(in: Varying, texels: Texels) -> f32 {
     return material.base_color.a * texels.base_color.a * in.color.a;
 }
 
-/// The scene normal that shades, towards the viewer's side.
+/// Shading normal in the scene, on the viewer's side of the triangle.
 fn seen_normal(in: Varying, texels: Texels, is_front: bool) -> vec3<f32> {
     return shading_normal(in.normal, in.tangent, texels.normal, is_front);
 }
@@ -191,7 +193,7 @@ fn to_viewer(position: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     return unit_or(pass_data.eye.xyz - position * pass_data.eye.w, normal);
 }
 
-/// The surface that is lit.
+/// The surface at a fragment, as input of the shading functions.
 fn surface_at(in: Varying, texels: Texels, normal: vec3<f32>) -> Surface {
     let position = in.position_depth.xyz;
     return Surface(
@@ -217,12 +219,12 @@ fn radiance(surface: Surface) -> vec3<f32> {
     return sum;
 }
 
-/// Associated colour of a fragment whose coverage is `alpha`.
+/// Colour of a fragment with coverage `alpha`, multiplied by `alpha`.
 fn color_at(in: Varying, texels: Texels, normal: vec3<f32>, alpha: f32) -> vec4<f32> {
     return vec4<f32>(radiance(surface_at(in, texels, normal)) * alpha, alpha);
 }
 
-/// From one homogeneous screen position to another, pixels, y up; 0 where one is behind the camera.
+/// Motion between two homogeneous screen positions in pixels, y up; 0 if one is behind the camera.
 fn motion_to(there: vec3<f32>, here: vec3<f32>) -> vec2<f32> {
     let moved = (there.xy / there.z - here.xy / here.z) * push.pixels_from_screen;
     return select(vec2<f32>(0.0), moved, min(there.z, here.z) > 1e-6);
@@ -236,7 +238,7 @@ fn data_at(in: Varying, normal: vec3<f32>) -> Data {
     );
 }
 
-/// 1 or the blended coverage.
+/// Coverage of a fragment; 1 unless the surface is blended.
 fn coverage(in: Varying, texels: Texels) -> f32 {
     if ALPHA == 2u {
         return clamp(raw_alpha(in, texels), 0.0, 1.0);

@@ -1,52 +1,56 @@
-// Resamples planes through a map of offsets: the twin of src/plate/filter/, one invocation a pixel of an area.
+// Resamples planes through a map of offsets: the GPU version of src/plate/filter/, with one invocation per pixel of an
+// area.
 //
-// In: offsets of the area and its neighbours, a part of the source, weights of Lanczos. Out: planes of the area.
-// Samples are read and written as bits: copies keep them, and no driver has to be trusted with what is no number.
+// In: offsets of the area and its neighbours, a part of the source, Lanczos weights. Out: planes of the area.
+// Samples are read and written as bits, so that copies preserve them and no driver has to be relied upon to handle
+// NaNs.
 
-/// What infinities become: 65504, the greatest finite half, as bits.
+/// Replaces infinities: 65504, the largest finite half, as bits.
 const GREATEST: u32 = 0x477fe000u;
-/// A sum that misses more than three quarters of its weights says nothing.
+/// Smallest share of the weights that must fall on numbers for a sum to be used.
 const LEAST_PRESENCE: f32 = 0.25;
-/// Greatest shrink that is filtered in full.
+/// Largest minification that is filtered in full.
 const SHRINK_LIMIT: f32 = 16.0;
-/// Shrinks up to this factor count as none.
+/// Minifications up to this factor are ignored.
 const SLACK: f32 = 1.02;
-/// Steps of the table of Lanczos weights a sample, and numbers of a row of it.
+/// Entries per sample spacing in the table of Lanczos weights, and numbers per row of the table.
 const STEPS: i32 = 1024;
 const ROW: i32 = 8;
-/// Beyond all samples.
+/// Larger than all samples.
 const HUGE: f32 = 3.4028234e38;
 
-/// What an area needs to know; 80 bytes.
+/// Parameters of an area; 80 bytes.
 struct Push {
-    /// Pixels of the area.
+    /// Size of the area in pixels.
     area: vec2<u32>,
-    /// Where its first pixel lies among the offsets, and how many of those there are.
+    /// Position of the area's first pixel among the offsets, and their number across and down.
     first: vec2<i32>,
     net: vec2<i32>,
-    /// The sample at the place of the first pixel.
+    /// The sample that zero offset gives to the first pixel.
     start: vec2<i32>,
-    /// Samples of the whole picture.
+    /// Number of samples of the whole picture, across and down.
     count: vec2<i32>,
-    /// The part of it that is here: first sample and size.
+    /// The part of the picture in `source`: first sample and size.
     low: vec2<i32>,
     size: vec2<i32>,
-    /// 1 where the picture goes on before the first and after the last sample.
+    /// Per axis, 1 if the picture continues with its border samples before the first and after the last sample, 0 if it
+    /// ends.
     goes_on_before: vec2<u32>,
     goes_on_after: vec2<u32>,
-    /// Planes that follow each other in source and result, 1 to 4.
+    /// Number of consecutive planes in source and result, 1 to 4.
     planes: u32,
     padding: u32,
 }
 
-/// Place of a pixel in the source: the sample before it and how far behind that it lies.
+/// Position of a pixel in the source: the sample before it, and the fraction of a sample beyond that.
 struct Place {
     sample: vec2<i32>,
     fraction: vec2<f32>,
     is_near: bool,
 }
 
-/// Filter distances from source distances (xx, xy = yx, yy); reach of the corners of the square of "radius" 1.
+/// Map from source to filter distances (xx, xy = yx, yy), and half extents of the filter's square of "radius" 1 in the
+/// source.
 struct Shape {
     filter_from_source: vec3<f32>,
     reach: vec2<f32>,
@@ -58,9 +62,9 @@ var<immediate> push: Push;
 @group(0) @binding(2) var<storage, read> lanczos_table: array<f32>;
 @group(0) @binding(3) var<storage, read_write> result: array<u32>;
 
-/// Something that is no number was read.
+/// Whether a NaN was read.
 var<private> lacks: bool;
-/// Texels are read as 1 where they are numbers, 0 where not.
+/// Whether texels are read as presence: 1 for numbers, 0 for NaNs.
 var<private> reads_presence: bool;
 
 fn is_finite(x: f32) -> bool {
@@ -73,7 +77,7 @@ fn is_nan(x: f32) -> bool {
 
 // --- Samples: border.rs, block.rs -----------------------------------------------------------------------------------
 
-/// Bits of up to four planes at a sample of the picture, also beyond its borders.
+/// Bits of up to four planes at a sample, which may be outside the picture.
 fn bits_at(place: vec2<i32>) -> vec4<u32> {
     let before = (place < vec2<i32>(0)) & (push.goes_on_before == vec2<u32>(1u));
     let after = (place >= push.count) & (push.goes_on_after == vec2<u32>(1u));
@@ -82,7 +86,7 @@ fn bits_at(place: vec2<i32>) -> vec4<u32> {
     if any(sample < vec2<i32>(0)) || any(sample >= push.count) {
         return bits;
     }
-    // Whoever laid out the part put all samples into it; the clamp keeps a wrong one from reading elsewhere.
+    // `source` contains every sample that is needed; the clamp prevents reads elsewhere should that be violated.
     let here = clamp(sample - push.low, vec2<i32>(0), push.size - 1);
     let index = here.y * push.size.x + here.x;
     let area = push.size.x * push.size.y;
@@ -93,7 +97,7 @@ fn bits_at(place: vec2<i32>) -> vec4<u32> {
     return bits;
 }
 
-/// Samples as finite numbers, 0 for what is none; or whether they are numbers.
+/// Samples as finite numbers, with 0 for NaNs; or their presence, 1 or 0.
 fn texel_at(place: vec2<i32>) -> vec4<f32> {
     let bits = bits_at(place);
     let magnitude = bits & vec4<u32>(0x7fffffffu);
@@ -107,7 +111,7 @@ fn texel_at(place: vec2<i32>) -> vec4<f32> {
     return bitcast<vec4<f32>>(select(finite, vec4<u32>(0u), is_nan));
 }
 
-/// How much of a pixel lies inside the sides that cut, 0 to 1.
+/// Fraction of a pixel inside those borders at which the picture ends, 0 to 1.
 fn coverage(place: Place) -> f32 {
     let sample = vec2<f32>(place.sample);
     let before = select(vec2<f32>(1.0), sample + 1.0 + place.fraction, push.goes_on_before == vec2<u32>(1u));
@@ -128,7 +132,8 @@ fn is_still(pixel: vec2<i32>) -> bool {
     return all((bitcast<vec2<u32>>(offset_at(pixel)) & vec2<u32>(0x7fffffffu)) == vec2<u32>(0u));
 }
 
-/// `taps` on each side: pixels further from the picture see nothing.
+/// Position of a pixel in the source. With `taps` filter taps on each side, positions farther from the picture are not
+/// near.
 fn place_of(pixel: vec2<i32>, taps: f32) -> Place {
     let offset = offset_at(pixel);
     if !is_finite(offset.x) || !is_finite(offset.y) {
@@ -142,7 +147,7 @@ fn place_of(pixel: vec2<i32>, taps: f32) -> Place {
     return Place(vec2<i32>(sample), offset - whole, true);
 }
 
-/// Bits of the sample nearest to where a pixel's offset leads; 0 outside the picture.
+/// Bits of the sample nearest to a pixel's source position; 0 outside the picture.
 fn nearest_sample(pixel: vec2<i32>) -> vec4<u32> {
     let offset = offset_at(pixel);
     if !is_finite(offset.x) || !is_finite(offset.y) {
@@ -157,7 +162,8 @@ fn nearest_sample(pixel: vec2<i32>) -> vec4<u32> {
 
 // --- Footprints: shape.rs -------------------------------------------------------------------------------------------
 
-/// How offsets change along an axis, a pixel: the smaller of both sides' differences; 0 where neither side has one.
+/// Derivative of the offsets along an axis, per pixel: the shorter of the differences to both neighbours; 0 without
+/// neighbours.
 fn steepness(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
     let at = push.first + pixel;
     let here = offset_at(pixel);
@@ -187,7 +193,7 @@ fn shape_at(pixel: vec2<i32>) -> Shape {
     return shape_of_jacobian(vec2<f32>(1.0 + across.x, down.x), vec2<f32>(across.y, 1.0 + down.y));
 }
 
-/// H⁻¹ from the rows of J, H = max(1, √(J Jᵀ)).
+/// The footprint H⁻¹ from the rows of J, H = max(1, √(J Jᵀ)).
 fn shape_of_jacobian(x: vec2<f32>, y: vec2<f32>) -> Shape {
     let a = dot(x, x);
     let b = dot(x, y);
@@ -232,7 +238,7 @@ fn cubic_weights(fraction: f32) -> vec4<f32> {
     return ((c3 * fraction + c2) * fraction + c1) * fraction + c0;
 }
 
-/// Lanczos weight of the `tap`-th sample, from the one at -2 on.
+/// Lanczos weight of the `tap`-th sample, counted from the one at -2.
 fn lanczos_weight(fraction: f32, tap: i32) -> f32 {
     let place = fraction * f32(STEPS);
     let step = min(i32(place), STEPS - 1);
@@ -241,7 +247,7 @@ fn lanczos_weight(fraction: f32, tap: i32) -> f32 {
     return (place - f32(step)) * (high - low) + low;
 }
 
-/// Catmull-Rom at a distance.
+/// The Catmull-Rom kernel at a distance.
 fn catmull_rom(distance: f32) -> f32 {
     let t = abs(distance);
     let u = min(t, 2.0);
@@ -282,12 +288,12 @@ fn lanczos_sum(place: Place) -> vec4<f32> {
     return sum;
 }
 
-/// The nearest value of a range. An empty one holds nothing back.
+/// Clamps to a range. An empty range does not clamp.
 fn hold(value: vec4<f32>, low: vec4<f32>, high: vec4<f32>) -> vec4<f32> {
     return select(value, max(min(value, high), low), low <= high);
 }
 
-/// Catmull-Rom, held within the range of the four texels around the place.
+/// Catmull-Rom interpolation, clamped to the range of the four texels around the position.
 fn plain(place: Place) -> vec4<f32> {
     let a = texel_at(place.sample);
     let b = texel_at(place.sample + vec2<i32>(1, 0));
@@ -296,14 +302,14 @@ fn plain(place: Place) -> vec4<f32> {
     return hold(cubic_sum(place), min(min(a, b), min(c, d)), max(max(a, b), max(c, d)));
 }
 
-/// Where a row cuts the filter's square of "radius" 2, within its reach: the edges of both pairs.
+/// Interval of a row inside the filter's square of "radius" 2 and its extents, relative to the position.
 fn chord(shape: Shape, dy: f32) -> vec2<f32> {
     let xx = shape.filter_from_source.x;
     let xy = shape.filter_from_source.y;
     let yy = shape.filter_from_source.z;
     let reach = 2.0 * shape.reach.x;
     var cut = vec2<f32>(-xy * dy - 2.0, -xy * dy + 2.0) / xx;
-    // Edges along the rows are never met.
+    // The second pair of edges is nearly parallel to the row and never limits it.
     if abs(xy) >= 1e-5 {
         let middle = -yy / xy * dy;
         let half = 2.0 / abs(xy);
@@ -312,7 +318,7 @@ fn chord(shape: Shape, dy: f32) -> vec2<f32> {
     return vec2<f32>(max(cut.x, -reach), min(cut.y, reach));
 }
 
-/// Catmull-Rom along the axes of a widened footprint, normalised and held within the range of its inner square.
+/// Catmull-Rom filter along the axes of an enlarged footprint, normalised and clamped to the range of its inner square.
 fn widened(place: Place, shape: Shape) -> vec4<f32> {
     let xx = shape.filter_from_source.x;
     let xy = shape.filter_from_source.y;
@@ -366,7 +372,7 @@ fn write(pixel: vec2<i32>, place: Place, sum: vec4<f32>) {
     write_bits(pixel, bitcast<vec4<u32>>(sum * coverage(place)));
 }
 
-/// Spreads the weights of samples that are no numbers over the others.
+/// Distributes the weights of NaN samples over the others; 0 if too few are numbers.
 fn renormalize(sum: vec4<f32>, presence: vec4<f32>) -> vec4<f32> {
     let says = presence >= vec4<f32>(LEAST_PRESENCE);
     return select(vec4<f32>(0.0), sum / select(vec4<f32>(1.0), presence, says), says);

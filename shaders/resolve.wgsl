@@ -1,6 +1,6 @@
-// Adds a sample pass to the mean of a frame: a triangle over the window, blended ONE, ONE.
+// Adds a sample pass to the mean of a frame: a triangle that covers the window, blended with ONE, ONE.
 //
-// In: the pass's colour, its weight. Out: colour · weight, added to what is there.
+// In: the colour of the pass, its weight. Out: colour · weight, added to the target.
 
 struct Push {
     weight: f32,

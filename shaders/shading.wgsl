@@ -1,7 +1,7 @@
-// Light on a surface: glTF's metallic-roughness BRDF, punctual lights, neutral surroundings.
+// Shading of a surface: the metallic-roughness BRDF of glTF, punctual lights, a neutral environment.
 //
 // In: a Surface and a Light (plain values; no bindings, no entry points). Out: linear radiance towards the viewer.
-// src/raster/cpu/shading.rs holds the same functions under the same names.
+// src/raster/cpu/shading.rs has the same functions under the same names.
 // BRDF: Khronos, "glTF 2.0 Specification", Appendix B, https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#appendix-b-brdf-implementation
 // Lights: Khronos, KHR_lights_punctual, https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Khronos/KHR_lights_punctual
 
@@ -18,23 +18,23 @@ const DIELECTRIC_F0: f32 = 0.04;
 /// Cosine-weighted mean of `matte_share`: (1 - f0)·(1 - 1/21), since the mean of (1 - c)^5 is 1/21.
 const MEAN_MATTE_SHARE: f32 = 0.9142857;
 
-/// A smaller roughness would make highlights of punctual lights narrower than a half float can hold.
+/// Lower bound of roughness: highlights of punctual lights would otherwise be narrower than a half float can represent.
 const MIN_ROUGHNESS: f32 = 0.045;
 
-/// Square of the least distance from a point light, metres²: keeps 1/d² finite.
+/// Square of the smallest distance from a point light, metres²; keeps 1/d² finite.
 const MIN_DISTANCE_SQUARED: f32 = 1e-4;
 
-/// The neutral surroundings: radiance GROUND below the horizon, SKY + OVERHEAD·(d·up) above it.
-/// SKY + 2/3·OVERHEAD = 1, so a white matte surface that faces up shows 1.
+/// The neutral environment: radiance GROUND below the horizon, SKY + OVERHEAD·(d·up) above it.
+/// SKY + 2/3·OVERHEAD = 1, so a white matte surface that faces up has radiance 1.
 const GROUND: f32 = 0.25;
 const SKY: f32 = 0.5;
 const OVERHEAD: f32 = 0.75;
 
-/// A point of a surface, as it is lit.
+/// A point of a surface, with the parameters of its BRDF.
 struct Surface {
     /// Scene position.
     position: vec3<f32>,
-    /// Unit shading normal; faces the viewer's side of the triangle.
+    /// Unit shading normal, on the viewer's side of the triangle.
     normal: vec3<f32>,
     /// Unit vector towards the viewer.
     to_viewer: vec3<f32>,
@@ -44,48 +44,48 @@ struct Surface {
     metallic: f32,
     /// Perceptual roughness, 0..1.
     roughness: f32,
-    /// 1 open, 0 hidden from the surroundings; punctual lights are not affected.
+    /// Ambient occlusion: 1 open, 0 hidden from the environment. Does not affect punctual lights.
     occlusion: f32,
-    /// Linear radiance given off.
+    /// Emitted linear radiance.
     emissive: vec3<f32>,
 }
 
-/// A punctual light. 64 bytes in a storage buffer: offsets 0, 12, 16, 28, 32, 44, 48.
+/// A punctual light; 64 bytes in a storage buffer, members at the offsets 0, 12, 16, 28, 32, 44, 48.
 struct Light {
-    /// Scene position (unused where directional).
+    /// Scene position; unused by directional lights.
     position: vec3<f32>,
-    /// 1 / range in 1/metres; 0 where the light has no end.
+    /// 1 / range in 1/metres; 0 if the light has no range.
     inverse_range: f32,
-    /// Unit vector along which it shines.
+    /// Unit vector along which the light shines.
     direction: vec3<f32>,
     /// LIGHT_DIRECTIONAL, LIGHT_POINT or LIGHT_SPOT.
     kind: u32,
-    /// Linear RGB: lux where directional, else candela.
+    /// Linear RGB: illuminance in lux for directional lights, else intensity in candela.
     color: vec3<f32>,
-    /// 1 / max(0.001, cos inner - cos outer); 0 where not a spot.
+    /// 1 / max(0.001, cos inner - cos outer); 0 unless the light is a spot.
     cone_scale: f32,
-    /// -cos outer · cone_scale; 1 where not a spot.
+    /// -cos outer · cone_scale; 1 unless the light is a spot.
     cone_offset: f32,
 }
 
-/// Light that arrives at a point.
+/// Light arriving at a point.
 struct Arrival {
     /// Unit vector towards the light.
     to_light: vec3<f32>,
-    /// Illuminance on a plane that faces the light, lux.
+    /// Illuminance on a plane perpendicular to the light's direction, lux.
     illuminance: vec3<f32>,
 }
 
-/// Unit vector along v, or `fallback` where v has no length.
+/// Unit vector along v, or `fallback` if the length of v is 0.
 fn unit_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {
     let squared = dot(v, v);
     return select(fallback, v * inverseSqrt(max(squared, 1e-37)), squared > 1e-37);
 }
 
-/// The normal after the normal map, turned to the side that is seen.
+/// The normal after the normal map, on the side that is visible.
 ///
-/// `mapped` is the map's normal in tangent space with its scale applied, (0, 0, 1) without a map;
-/// `tangent.w` is the handedness, a zero tangent means no map.
+/// `mapped` is the map's normal in tangent space with its scale applied, (0, 0, 1) without a map.
+/// `tangent.w` is the handedness; a zero tangent means no map.
 fn shading_normal(normal: vec3<f32>, tangent: vec4<f32>, mapped: vec3<f32>, is_front: bool) -> vec3<f32> {
     let n = unit_or(normal, vec3<f32>(0.0, 0.0, 1.0));
     let t = unit_or(tangent.xyz - n * dot(n, tangent.xyz), vec3<f32>(0.0));
@@ -94,7 +94,7 @@ fn shading_normal(normal: vec3<f32>, tangent: vec4<f32>, mapped: vec3<f32>, is_f
     return select(-bent, bent, is_front);
 }
 
-/// A stored normal map texel (0..1) as a vector of tangent space; `scale` acts on x and y (glTF 2.0, 3.9.3).
+/// The normal in tangent space of a normal map texel (0..1); `scale` applies to x and y (glTF 2.0, 3.9.3).
 fn normal_from_texel(texel: vec3<f32>, scale: f32) -> vec3<f32> {
     return (texel * 2.0 - 1.0) * vec3<f32>(scale, scale, 1.0);
 }
@@ -126,26 +126,26 @@ fn normal_reflectance(surface: Surface) -> vec3<f32> {
     return mix(vec3<f32>(DIELECTRIC_F0), surface.base_color, surface.metallic);
 }
 
-/// Albedo of the matte part.
+/// Albedo of the diffuse component.
 fn diffuse_albedo(surface: Surface) -> vec3<f32> {
     return surface.base_color * (1.0 - surface.metallic);
 }
 
-/// Cosine towards the viewer, kept off 0 where a smooth normal points past the silhouette.
+/// Cosine towards the viewer, clamped above 0 where a smooth normal points beyond the silhouette.
 fn view_cosine(surface: Surface) -> f32 {
     return clamp(dot(surface.normal, surface.to_viewer), 1e-3, 1.0);
 }
 
-/// Share of the light that a dielectric's surface lets through at a cosine.
+/// Fraction of the light that the surface of a dielectric transmits at a cosine.
 fn matte_share(cosine: f32) -> f32 {
     let m = 1.0 - cosine;
     let m2 = m * m;
     return (1.0 - DIELECTRIC_F0) * (1.0 - m2 * m2 * m);
 }
 
-/// BRDF times cosine, 1/sr: gloss as in Appendix B.3.5. Its matte layer (1 - F(v·h)) gains up to 28 % at grazing views;
-/// here it is coupled to the gloss so that a white surface never returns more than it gets: Kelemen and
-/// Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling", 2001.
+/// BRDF times cosine, 1/sr; gloss as in Appendix B.3.5. The diffuse layer there, (1 - F(v·h)), gains up to 28 % at
+/// grazing views. Here it is coupled to the gloss so that a white surface never reflects more than it receives: Kelemen
+/// and Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling", 2001.
 fn reflect_light(surface: Surface, to_light: vec3<f32>) -> vec3<f32> {
     let n_l = clamp(dot(surface.normal, to_light), 0.0, 1.0);
     let n_v = view_cosine(surface);
@@ -160,19 +160,19 @@ fn reflect_light(surface: Surface, to_light: vec3<f32>) -> vec3<f32> {
     return (matte + gloss) * n_l;
 }
 
-/// Fades a light out towards its range (KHR_lights_punctual, "Range Property").
+/// Attenuation of a light towards its range (KHR_lights_punctual, "Range Property").
 fn range_window(squared_distance: f32, inverse_range: f32) -> f32 {
     let x = squared_distance * inverse_range * inverse_range;
     return clamp(1.0 - x * x, 0.0, 1.0);
 }
 
-/// Fades a spot out towards the rim of its cone (KHR_lights_punctual, "Inner and Outer Cone Angles").
+/// Attenuation of a spot towards the rim of its cone (KHR_lights_punctual, "Inner and Outer Cone Angles").
 fn cone_window(light: Light, to_light: vec3<f32>) -> f32 {
     let f = clamp(dot(light.direction, -to_light) * light.cone_scale + light.cone_offset, 0.0, 1.0);
     return f * f;
 }
 
-/// The light that arrives at a scene position.
+/// The light arriving at a scene position.
 fn arrive(light: Light, position: vec3<f32>) -> Arrival {
     if light.kind == LIGHT_DIRECTIONAL {
         return Arrival(-light.direction, light.color);
@@ -184,17 +184,17 @@ fn arrive(light: Light, position: vec3<f32>) -> Arrival {
     return Arrival(to_light, light.color * (window / squared));
 }
 
-/// Radiance towards the viewer that one light causes.
+/// Radiance towards the viewer due to one light.
 fn light_surface(surface: Surface, light: Light) -> vec3<f32> {
     let arrival = arrive(light, surface.position);
     return reflect_light(surface, arrival.to_light) * arrival.illuminance;
 }
 
-/// Mean radiance of the surroundings over the cosine lobe around a direction whose cosine with up is y.
+/// Mean radiance of the environment over the cosine lobe around a direction whose cosine with up is y.
 ///
-/// A plane sees (1 + y)/2 of the upper half weighted by the cosine; the overhead part is the clamped cosine convolved
-/// with the clamped cosine, 2/(3π)·(sin θ + (π - θ)·cos θ), as in a Lambertian sphere's phase law: y/3 and an even
-/// part, for which stands a cubic in y² (minimax over 0..1, error below 2e-4).
+/// A plane sees (1 + y)/2 of the upper hemisphere, weighted by the cosine. The overhead component is the convolution of
+/// the clamped cosine with itself, 2/(3π)·(sin θ + (π - θ)·cos θ), as in the phase law of a Lambertian sphere: y/3 plus
+/// an even function, which is approximated by a cubic in y² (minimax over 0..1, error below 2e-4).
 fn surroundings_matte(y: f32) -> f32 {
     let c = clamp(y, -1.0, 1.0);
     let t = c * c;
@@ -202,8 +202,8 @@ fn surroundings_matte(y: f32) -> f32 {
     return mix(GROUND, SKY, 0.5 + 0.5 * c) + OVERHEAD * (c * (1.0 / 3.0) + even);
 }
 
-/// Mean radiance of the surroundings over the highlight lobe around such a direction: the horizon softens and the
-/// gradient nears `surroundings_matte` as roughness grows.
+/// Mean radiance of the environment over the highlight lobe around such a direction. With growing roughness the horizon
+/// softens and the gradient approaches `surroundings_matte`.
 fn surroundings_gloss(y: f32, roughness: f32) -> f32 {
     let half_width = mix(0.03, 1.0, roughness);
     let above = smoothstep(-half_width, half_width, y);
@@ -211,7 +211,7 @@ fn surroundings_gloss(y: f32, roughness: f32) -> f32 {
     return mix(sharp, surroundings_matte(y), roughness * roughness);
 }
 
-/// Scale and offset of f0 in the light reflected from uniform surroundings.
+/// Scale and offset of f0 in the light reflected from a uniform environment.
 ///
 /// Karis, "Physically Based Shading on Mobile", 2014, EnvBRDFApprox, a fit after Lazarov, "Getting More Physical in
 /// Call of Duty: Black Ops II", 2013. https://www.unrealengine.com/blog/physically-based-shading-on-mobile
@@ -221,7 +221,7 @@ fn environment_brdf(roughness: f32, n_v: f32) -> vec2<f32> {
     return vec2<f32>(-1.04, 1.04) * a004 + r.zw;
 }
 
-/// Radiance towards the viewer that the surroundings cause, for strength 1.
+/// Radiance towards the viewer due to the environment with strength 1.
 fn environment(surface: Surface) -> vec3<f32> {
     let n_v = view_cosine(surface);
     let brdf = environment_brdf(surface.roughness, n_v);
@@ -232,8 +232,8 @@ fn environment(surface: Surface) -> vec3<f32> {
     return (gloss + matte) * surface.occlusion;
 }
 
-/// Everything but the punctual lights: what the surface gives off and the surroundings at `strength`.
-/// The caller adds `light_surface` of each light; unlit materials show their base colour and call nothing here.
+/// Radiance without the punctual lights: emission, and the environment times `strength`.
+/// The caller adds `light_surface` of each light. Unlit materials show their base colour and call nothing here.
 fn ambient_surface(surface: Surface, strength: f32) -> vec3<f32> {
     if strength <= 0.0 {
         return surface.emissive;

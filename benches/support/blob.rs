@@ -1,8 +1,8 @@
-//! What benches share: meshes with the vertex counts of the paper's table and pins on them.
+//! Shared by benches: meshes with the vertex counts of the paper's table, and pins on them.
 
 use pinwarp::solve::{PointPin, Shape};
 
-/// A wavy blob of exactly `count` vertices: rows of a square grid, bent, the last row cut short.
+/// A wavy blob of exactly `count` vertices: a bent square grid with an incomplete last row.
 pub(crate) fn blob(count: usize) -> Shape<2> {
     let width = (count as f64).sqrt().ceil() as usize;
     let height = count.div_ceil(width);
@@ -19,7 +19,7 @@ pub(crate) fn blob(count: usize) -> Shape<2> {
     Shape::of_triangles((0..count).map(place).collect(), triangles)
 }
 
-/// Six pins; `turn` (radians) swings the upper ones, as a dragging hand does.
+/// Six pins. The upper ones are rotated by `turn` radians, as if dragged by hand.
 pub(crate) fn pins(shape: &Shape<2>, turn: f64) -> Vec<PointPin<2>> {
     let count = shape.points.len();
     let at = |k: usize| shape.points[k * (count - 1) / 5];

@@ -1,14 +1,15 @@
-//! What benches share: a stopwatch.
+//! Shared by benches: a stopwatch.
 
 use std::hint::black_box;
 use std::sync::Once;
 use std::time::Instant;
 
-/// Until a block as large as a picture was freed, glibc gives the memory of each run back to the system and gets it again page
-/// by page, which takes as long as a solve. Programs that read pictures have freed one.
+/// Raises glibc's threshold for returning memory to the system by freeing a large block once. Below it the memory of each
+/// run would be returned and faulted in again page by page, which takes as long as a solve. Programs that read pictures have
+/// freed such blocks.
 static KEEP_MEMORY: Once = Once::new();
 
-/// Time of the fastest run in milliseconds (other work on the machine only adds), and what the last one gave.
+/// Time of the fastest run in milliseconds (other load only adds to it), and the result of the last run.
 pub(crate) fn fastest<T>(mut run: impl FnMut() -> T) -> (f64, T) {
     KEEP_MEMORY.call_once(|| drop(black_box(vec![1_u8; 24 << 20])));
     let mut last = run();

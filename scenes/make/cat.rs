@@ -1,6 +1,6 @@
-//! A drawn cat, in about the pose of the gingerman, to which the gingerman's lattices are transferred.
+//! A drawn cat in approximately the pose of the gingerman, to which the gingerman's lattices are transferred.
 //!
-//! Out: a PNG file. The canvas shows x from -1.5 to 1.5 and y from -1.6 to 1.4, as the gingerman's camera nearly does.
+//! Out: a PNG file. The canvas shows x from -1.5 to 1.5 and y from -1.6 to 1.4, nearly like the gingerman's camera.
 
 use super::drawing::{Shape, colour, drawn};
 use super::figures::draw::{Limb, both, chain, ellipse, melted};
@@ -11,7 +11,7 @@ const fn at(x: f64, y: f64) -> DVec2 {
     DVec2::new(x, y)
 }
 
-/// The fur: head, ears, body, limbs in one piece.
+/// The fur: head, ears, body and limbs in one shape.
 fn fur() -> Vec<Limb> {
     let mut limbs = vec![
         Limb::new(at(-0.12, 0.66), at(0.12, 0.66), [0.42, 0.42]),
@@ -23,7 +23,7 @@ fn fur() -> Vec<Limb> {
     limbs
 }
 
-/// The picture.
+/// The PNG file.
 pub(crate) fn picture() -> Result<Vec<u8>, ImageError> {
     let (ginger, cream, pink, dark) = (colour(0xe8923c), colour(0xfbe9d0), colour(0xe98a8a), colour(0x3a2a2e));
     let limbs = fur();

@@ -1,4 +1,4 @@
-//! Flat drawings by code: shapes in one colour over one another, with an ink line around them.
+//! Flat drawings made by code: overlapping shapes of one colour each, with ink outlines.
 //!
 //! In: distance fields, negative inside. Out: the bytes of a PNG file with alpha.
 
@@ -9,22 +9,22 @@ use image::ImageError;
 /// A distance field: negative inside.
 pub(crate) type Field = Box<dyn Fn(DVec2) -> f64>;
 
-/// A colour that may change from place to place, linear.
+/// A linear colour as a function of position.
 pub(crate) type Colour = Box<dyn Fn(DVec2) -> DVec3>;
 
 /// A shape in a drawing.
 pub(crate) struct Shape {
-    /// Where it is.
+    /// The area of the shape.
     pub(crate) field: Field,
-    /// What fills it.
+    /// The colour of its interior.
     pub(crate) colour: Colour,
-    /// Width of the line around it, half of it outside; 0: none.
+    /// Width of the outline, half of it outside; 0 for none.
     pub(crate) ink: f64,
-    /// Shapes are cut by this one, too.
+    /// A second area, to which the shape is clipped.
     pub(crate) inside: Option<Field>,
 }
 
-/// Colour of all lines.
+/// Colour of all outlines.
 const INK: DVec3 = DVec3::new(0.035, 0.02, 0.03);
 
 impl Shape {
@@ -44,7 +44,7 @@ impl Shape {
         Self { inside: Some(Box::new(field)), ..self }
     }
 
-    /// Lays the shape over what is there; `pixel` is the size of one.
+    /// Composites the shape over `behind`; `pixel` is the side of a pixel.
     fn over(&self, behind: Rgba, at: DVec2, pixel: f64) -> Rgba {
         let distance = (self.field)(at).max(self.inside.as_ref().map_or(-1e3, |inside| inside(at)));
         let cover = |distance: f64| (0.5 - distance / pixel).clamp(0.0, 1.0);
@@ -54,7 +54,7 @@ impl Shape {
     }
 }
 
-/// Straight colours: what is behind keeps its share.
+/// The `over` operation on straight (not premultiplied) colours.
 fn blend(behind: Rgba, colour: DVec3, cover: f64) -> Rgba {
     let alpha = cover + behind.alpha * (1.0 - cover);
     if alpha <= 0.0 {
@@ -63,7 +63,7 @@ fn blend(behind: Rgba, colour: DVec3, cover: f64) -> Rgba {
     Rgba { color: (colour * cover + behind.color * (behind.alpha * (1.0 - cover))) / alpha, alpha }
 }
 
-/// The drawing of a window of the plane, from its upper left corner down; shapes from back to front.
+/// Draws shapes, given from back to front, in a window of the plane; rows start at its upper left corner.
 pub(crate) fn drawn(
     [width, height]: [u32; 2],
     corner: DVec2,

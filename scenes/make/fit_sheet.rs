@@ -1,4 +1,4 @@
-//! docs/fit.png: the cat, a key pose sketched with sticks, and the cat carried onto it by landmarks (`pinwarp fit`).
+//! docs/fit.png: the cat, a key pose sketched with sticks, and the cat fitted to it by landmarks (`pinwarp fit`).
 
 use anyhow::{Context as _, anyhow};
 use image::{RgbImage, RgbaImage, imageops};
@@ -13,10 +13,10 @@ use std::path::Path;
 
 /// Side of a panel, pixels.
 const SIDE: u32 = 360;
-/// The cat's canvas, pixels: landmarks are told in its pixels, y down.
+/// Side of the cat's canvas, pixels. Landmarks are given in its pixels, y down.
 const CANVAS: f64 = 640.0;
 
-/// Name, place in the cat's picture, place in the sketch.
+/// Name, position in the cat's picture, position in the sketch.
 const PAIRS: [(&str, [f64; 2], [f64; 2]); 14] = [
     ("left ear", [228.0, 43.0], [264.0, 33.0]),
     ("right ear", [412.0, 43.0], [447.0, 75.0]),
@@ -34,7 +34,7 @@ const PAIRS: [(&str, [f64; 2], [f64; 2]); 14] = [
     ("right foot", [414.0, 570.0], [414.0, 570.0]),
 ];
 
-/// Landmarks that a stick joins.
+/// Pairs of landmarks connected by a stick.
 const STICKS: [[usize; 2]; 14] = [
     [0, 1],
     [0, 2],
@@ -57,7 +57,7 @@ const FAINT: Rgba8 = Rgba8([70, 95, 150, 110]);
 const RIM: Rgba8 = Rgba8([30, 30, 30, 255]);
 const DOT: Rgba8 = Rgba8([255, 214, 10, 255]);
 
-/// The strip of three.
+/// The three panels side by side.
 pub(crate) fn strip(scenes: &Path) -> anyhow::Result<RgbImage> {
     let scratch = tempfile::tempdir()?;
     let file = scratch.path().join("fit.lattice.json");
@@ -83,7 +83,7 @@ pub(crate) fn strip(scenes: &Path) -> anyhow::Result<RgbImage> {
     Ok(strip)
 }
 
-/// The lattice that `pinwarp fit` finds.
+/// Writes the lattice that `pinwarp fit` finds to a file.
 fn fit(picture: &Path, file: &Path) -> anyhow::Result<()> {
     let plate = read_picture(picture)?;
     let size = plate.frame_size();
@@ -106,7 +106,7 @@ fn fit(picture: &Path, file: &Path) -> anyhow::Result<()> {
 
 type Pair = (&'static str, [f64; 2], [f64; 2]);
 
-/// A panel with its landmarks, and sticks between them.
+/// A panel with its landmarks and, if there is a pencil, the sticks between them.
 fn marked(panel: &RgbImage, place: impl Fn(&Pair) -> [f64; 2], pencil: Option<Rgba8>) -> anyhow::Result<RgbImage> {
     let rgba = panel.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2], 255]).collect();
     let mut shown = Preview { width: SIDE, height: SIDE, rgba };

@@ -1,6 +1,6 @@
-//! The flag of the paper's image figure, and its pole: two pictures of one size.
+//! The flag of the paper's image figure, and its pole: two pictures of equal size.
 //!
-//! Out: PNG files. The canvas is 3 : 2; the flag fills x from 0.25 to 1.25 and y from 0.22 to 0.84, frame heights.
+//! Out: PNG files. The canvas is 3 : 2; the flag covers x from 0.25 to 1.25 and y from 0.22 to 0.84, in frame heights.
 
 use super::drawing::{Shape, colour, drawn};
 use glam::DVec2;
@@ -11,7 +11,7 @@ const FLAG: [DVec2; 2] = [DVec2::new(0.25, 0.22), DVec2::new(1.25, 0.84)];
 
 const PIXELS: [u32; 2] = [720, 480];
 
-/// The cloth: three stripes, a sun, a border of stitches; straight lines show every kink.
+/// The cloth: three stripes, a sun, a stitched border. Its straight lines make every kink visible.
 pub(crate) fn cloth() -> Result<Vec<u8>, ImageError> {
     let [low, high] = FLAG;
     let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);

@@ -1,5 +1,6 @@
-//! docs/flag.png, after the paper's image figure: a flag of 21 vertices and eight pins at rest, its triangles deformed as
-//! rigidly as possible with the picture mapped onto them, and the picture warped by the lattice solved for them.
+//! docs/flag.png, after the paper's image figure: a flag of 21 vertices and eight pins at rest, its triangles deformed
+//! as rigidly as possible with the picture mapped onto them, and the picture warped by the lattice solved for the same
+//! pins.
 
 use anyhow::{Context as _, anyhow};
 use glam::DVec2;
@@ -18,14 +19,14 @@ const FLAG: [DVec2; 2] = [DVec2::new(0.25, 0.22), DVec2::new(1.25, 0.84)];
 /// Vertices across and up.
 const VERTICES: [usize; 2] = [7, 3];
 
-/// Where the pins of the upper border go, frame heights; those of the lower one go the same way.
+/// Displacements of the pins of the upper border, frame heights; those of the lower border are equal.
 const PULLS: [DVec2; 4] = [DVec2::ZERO, DVec2::new(-0.03, 0.1), DVec2::new(-0.06, -0.1), DVec2::new(-0.1, 0.07)];
 
 const WIRE: Rgba8 = Rgba8([40, 40, 60, 150]);
 const PIN: Rgba8 = Rgba8([255, 214, 10, 255]);
 const RIM: Rgba8 = Rgba8([30, 30, 30, 255]);
 
-/// The strip of three.
+/// The three panels side by side.
 pub(crate) fn strip(scenes: &Path) -> anyhow::Result<RgbImage> {
     const GAP: u32 = 8;
     let plate = read_picture(&scenes.join("flag/flag.png"))?;
@@ -50,7 +51,7 @@ pub(crate) fn strip(scenes: &Path) -> anyhow::Result<RgbImage> {
     Ok(imageops::resize(&strip, strip.width() / 2, strip.height() / 2, imageops::FilterType::CatmullRom))
 }
 
-/// 21 vertices on the flag.
+/// A mesh of 21 vertices on the flag.
 fn mesh() -> Shape<2> {
     let [columns, rows] = VERTICES;
     let share = |k: usize, of: usize| k as f64 / (of - 1) as f64;
@@ -66,7 +67,7 @@ fn mesh() -> Shape<2> {
     Shape::of_triangles(points, halves.collect())
 }
 
-/// Every second vertex of both borders.
+/// Every second vertex of the upper and lower border.
 fn pins() -> Vec<PointPin<2>> {
     let [columns, rows] = VERTICES;
     let points = mesh().points;
@@ -77,7 +78,7 @@ fn pins() -> Vec<PointPin<2>> {
     [0, rows - 1].into_iter().flat_map(|row| (0..4).map(move |k| pin(row, k))).collect()
 }
 
-/// Where pixels come from when every triangle carries its part of the picture.
+/// The backward map that moves the picture with the triangles.
 fn mapped(size: FrameSize, shape: &Shape<2>, moved: &[[f64; 2]]) -> WarpMap {
     let mut map = WarpMap::identity(size, size.window());
     for (index, offset) in map.offsets.iter_mut().enumerate() {
@@ -98,7 +99,7 @@ fn mapped(size: FrameSize, shape: &Shape<2>, moved: &[[f64; 2]]) -> WarpMap {
     map
 }
 
-/// A picture of the flag over white, with pins, at rest with its triangles.
+/// A panel with the warped flag over white and its pins; the panel at rest also shows the triangles.
 fn panel(
     frame: &Frame,
     map: &WarpMap,

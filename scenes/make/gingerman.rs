@@ -1,7 +1,7 @@
-//! The gingerman scene: a layered flat character after the paper's, isolated parts in front of each other.
+//! The gingerman scene: a layered flat character after the paper's, with isolated parts in front of the body.
 //!
 //! Out: gingerman.glb. Nodes: `Gingerman` with the children `Shadow`, `Body`, `EyeLeft`, `EyeRight`, `Mouth`,
-//! `Buttons`; `Cloth`; `ShotCam` (orthographic). Everything is unlit.
+//! `Buttons`; `Cloth`; `ShotCam` (orthographic). All materials are unlit.
 
 use super::glb::{Glb, Surface, placed};
 use super::outline::{contour, fill, gradient, triangulate};
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// Half the visible height, metres.
 const YMAG: f64 = 1.72;
 
-/// Distance to a capsule whose radius goes from `r0` to `r1`, negative inside.
+/// Distance to a capsule whose radius changes from `r0` to `r1`, negative inside.
 fn capsule(at: DVec2, from: DVec2, to: DVec2, [r0, r1]: [f64; 2]) -> f64 {
     let axis = to - from;
     let share = ((at - from).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
@@ -68,13 +68,13 @@ fn icing(at: DVec2) -> f64 {
     wrist.min(ankle).max(silhouette(at) + 0.055)
 }
 
-/// A smooth wave between −1 and 1 of period 1, from parabolas.
+/// A smooth wave between −1 and 1 of period 1, made of parabolas.
 fn triangle_wave(phase: f64) -> f64 {
     let t = phase.rem_euclid(1.0) * 2.0;
     if t < 1.0 { 4.0 * t * (1.0 - t) } else { -4.0 * (t - 1.0) * (2.0 - t) }
 }
 
-/// Smooth noise in 0..=1, one bump a unit.
+/// Smooth noise in 0..=1 with one bump per unit.
 fn speckle(at: DVec2) -> f64 {
     let hash = |cell: DVec2| {
         let [x, y] = cell.as_i64vec2().to_array();
@@ -87,14 +87,14 @@ fn speckle(at: DVec2) -> f64 {
     row(0.0).lerp(row(1.0), t.y)
 }
 
-/// Light on a rounded edge `depth` inside the border, from the upper left: −1..=1.
+/// Shading of a rounded border of this width, lit from the upper left: −1..=1.
 fn bevel(at: DVec2, field: fn(DVec2) -> f64, width: f64) -> f64 {
     let depth = (-field(at) / width).clamp(0.0, 1.0);
     let outwards = gradient(field, at).normalize_or_zero();
     (1.0 - depth) * (1.0 - depth) * outwards.dot(DVec2::new(-0.55, 0.835))
 }
 
-/// The body's picture: dough, baked darker at the border, blush, icing; masked to the silhouette.
+/// The body's texture: dough, baked darker at the border, blush, icing; masked to the silhouette.
 fn dough(uv: DVec2) -> Rgba {
     let at = place(uv);
     let border = silhouette(at);
@@ -113,7 +113,7 @@ fn dough(uv: DVec2) -> Rgba {
     Rgba { color, alpha: 0.5 - border * SHEET_SHARPNESS }
 }
 
-/// Alpha a metre across the silhouette: one over a few texels, so that the mask's border is smooth.
+/// Slope of alpha across the silhouette, per metre: 1 over a few texels, so that the mask has a smooth border.
 const SHEET_SHARPNESS: f64 = 40.0;
 
 /// The soft shadow on the cloth.
@@ -122,7 +122,7 @@ fn shade(uv: DVec2) -> Rgba {
     Rgba { color: DVec3::new(0.05, 0.02, 0.03), alpha: 0.5 * (1.0 - smoothstep(-0.14, 0.13, border)) }
 }
 
-/// Gingham, darker towards the corners.
+/// The gingham cloth, darker towards the corners.
 fn gingham(uv: DVec2) -> DVec3 {
     let at = DVec2::new(uv.x - 0.5, uv.y - 0.5) * 14.0;
     let stripe = |x: f64| if (x + 0.5).rem_euclid(2.0) < 1.0 { 1.0 } else { 0.0 };
@@ -131,7 +131,7 @@ fn gingham(uv: DVec2) -> DVec3 {
     color * (1.0 - 0.45 * smoothstep(0.25, 0.75, (uv - 0.5).length()))
 }
 
-/// A flat surface facing the camera at height z.
+/// A flat surface at height z that faces the camera.
 fn flat(points: &[DVec2], z: f64, triangles: Vec<[u32; 3]>, material: usize) -> Surface {
     Surface {
         positions: points.iter().map(|point| point.extend(z)).collect(),
@@ -142,7 +142,7 @@ fn flat(points: &[DVec2], z: f64, triangles: Vec<[u32; 3]>, material: usize) -> 
     }
 }
 
-/// The silhouette grown by `margin`, triangulated, with the sheet's texture coordinates.
+/// Points and triangles of the silhouette grown by `margin`.
 fn cutout(margin: f64, border: usize, spacing: f64) -> (Vec<DVec2>, Vec<[u32; 3]>) {
     let mut points = contour(silhouette, margin, DVec2::new(0.0, 1.45), border);
     points.extend(fill(silhouette, margin - spacing * 0.55, spacing));
@@ -154,7 +154,7 @@ fn textured(shape: &(Vec<DVec2>, Vec<[u32; 3]>), z: f64, material: usize) -> Sur
     Surface { uvs: shape.0.iter().map(|point| uv(*point)).collect(), ..flat(&shape.0, z, shape.1.clone(), material) }
 }
 
-/// An ellipse as a fan: a bright middle, moved by `lean` of the radii, and a rim.
+/// An ellipse made of a triangle fan: a bright centre, displaced by `lean` times the radii, and a rim.
 struct Disc {
     center: DVec3,
     radii: DVec2,
@@ -203,7 +203,7 @@ fn eye(side: f64, material: usize) -> Surface {
     surface
 }
 
-/// A smile of icing: a bent band, thin at its ends.
+/// A smile of icing: a bent band with thin ends.
 fn mouth(material: usize) -> Surface {
     const SPANS: u32 = 8;
     let mut surface = Surface { material, ..Surface::default() };
@@ -243,7 +243,7 @@ fn buttons(material: usize) -> Surface {
     surface
 }
 
-/// All surfaces of the character with the names of their nodes, back to front. Materials: body, shadow, paint.
+/// All surfaces of the character with the names of their nodes, from back to front. Materials: body, shadow, paint.
 pub(crate) fn parts([body, shadow, paint]: [usize; 3]) -> Vec<(&'static str, Surface)> {
     let below = cutout(0.14, 44, 0.55);
     let cookie = cutout(0.025, 76, 0.25);
@@ -272,10 +272,10 @@ fn unlit(name: &str, texture: Option<usize>, alpha: &str) -> Value {
     material
 }
 
-/// The file.
+/// The glTF binary file.
 ///
 /// # Errors
-/// Where a texture cannot be encoded.
+/// If a texture cannot be encoded.
 pub(crate) fn scene() -> Result<Vec<u8>, ImageError> {
     let mut glb = Glb::default();
     let textures = [

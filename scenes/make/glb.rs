@@ -1,12 +1,12 @@
-//! A small writer of glTF 2.0 binary files, as much of the format as the scenes need.
+//! A small writer of glTF 2.0 binary files; it supports the part of the format that the scenes need.
 //!
-//! In: surfaces, nodes, materials, clips in f64. Out: the bytes of a .glb. All numbers are rounded to a millionth before
-//! they become f32, so that a platform's sine does not change the file.
+//! In: surfaces, nodes, materials, clips in f64. Out: the bytes of a .glb. All numbers are rounded to a millionth
+//! before they become f32, so that the file does not depend on the platform's sine.
 
 use glam::{DMat4, DVec2, DVec3};
 use serde_json::{Value, json};
 
-/// Triangles of one material, in the space of their node. Empty arrays are left out of the file.
+/// Triangles of one material, in the space of their node. Empty arrays are omitted from the file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surface {
     /// #vertices, metres.
@@ -17,7 +17,7 @@ pub(crate) struct Surface {
     pub(crate) uvs: Vec<DVec2>,
     /// Linear RGB, #vertices or empty.
     pub(crate) colors: Vec<DVec3>,
-    /// Four joints a vertex with their shares, #vertices or empty.
+    /// Four joints per vertex with their weights, #vertices or empty.
     pub(crate) influences: Vec<[(u8, f64); 4]>,
     /// Corners, counter-clockwise from the front.
     pub(crate) triangles: Vec<[u32; 3]>,
@@ -25,15 +25,15 @@ pub(crate) struct Surface {
     pub(crate) material: usize,
 }
 
-/// Keys of one property of one node.
+/// An animation of one property of one node.
 pub(crate) struct Track {
     /// Index of the node.
     pub(crate) node: usize,
     /// `translation`, `rotation` or `scale`.
     pub(crate) path: &'static str,
-    /// Seconds.
+    /// Times of the keys in seconds.
     pub(crate) times: Vec<f64>,
-    /// Three or four numbers a key, one key after the other.
+    /// Three or four numbers per key, consecutively.
     pub(crate) values: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ const UNSIGNED_SHORT: u32 = 5123;
 const VERTEX_BUFFER: u32 = 34962;
 const INDEX_BUFFER: u32 = 34963;
 
-/// A number as the file stores it.
+/// A number rounded as in the file.
 pub(crate) fn rounded(value: f64) -> f32 {
     // Adding zero turns -0 into 0.
     ((value * 1e6).round() / 1e6 + 0.0) as f32
@@ -71,7 +71,7 @@ pub(crate) fn numbers(values: &[f64]) -> Value {
     values.iter().map(|value| json!((value * 1e6).round() / 1e6 + 0.0)).collect()
 }
 
-/// Shares as bytes that sum to 255: the first, and largest, takes what rounding leaves.
+/// Weights as bytes with the sum 255; the first weight, which is the largest, absorbs the rounding error.
 fn byte_shares(row: &[(u8, f64); 4]) -> [u8; 4] {
     let mut bytes = row.map(|(_, share)| (share * 255.0).round() as u8);
     bytes[0] = 255 - bytes[1..].iter().sum::<u8>();
@@ -95,7 +95,7 @@ impl Glb {
         self.accessors.len() - 1
     }
 
-    /// An accessor of floats, `width` a row.
+    /// Adds an accessor of floats with `width` numbers per element.
     fn floats(&mut self, rows: &[f64], width: usize, target: Option<u32>) -> usize {
         let data: Vec<f32> = rows.iter().copied().map(rounded).collect();
         let view = self.view(bytemuck::cast_slice(&data), target);
@@ -151,27 +151,27 @@ impl Glb {
         json!({ "attributes": attributes, "indices": indices, "material": surface.material })
     }
 
-    /// Adds a mesh of one primitive a surface; returns its index.
+    /// Adds a mesh with one primitive per surface; returns its index.
     pub(crate) fn mesh(&mut self, name: &str, surfaces: &[Surface]) -> usize {
         let primitives: Vec<Value> = surfaces.iter().map(|surface| self.primitive(surface)).collect();
         self.meshes.push(json!({ "name": name, "primitives": primitives }));
         self.meshes.len() - 1
     }
 
-    /// Adds a material as glTF spells it; returns its index.
+    /// Adds a material given as glTF JSON; returns its index.
     pub(crate) fn material(&mut self, material: Value) -> usize {
         self.materials.push(material);
         self.materials.len() - 1
     }
 
-    /// Embeds a PNG file; returns the index of a texture that shows it (smooth, mipmapped, held at its border).
+    /// Embeds a PNG file; returns the index of a texture that shows it (linear filter, mipmaps, clamped to the edge).
     pub(crate) fn texture(&mut self, name: &str, png: &[u8]) -> usize {
         let view = self.view(png, None);
         self.images.push(json!({ "name": name, "bufferView": view, "mimeType": "image/png" }));
         self.images.len() - 1
     }
 
-    /// Adds a node as glTF spells it; returns its index. It stands at the top until [`Self::child`] moves it.
+    /// Adds a node given as glTF JSON; returns its index. It is a root until [`Self::child`] moves it.
     pub(crate) fn node(&mut self, node: Value) -> usize {
         self.nodes.push(node);
         self.roots.push(self.nodes.len() - 1);
@@ -189,7 +189,7 @@ impl Glb {
         index
     }
 
-    /// Adds a camera as glTF spells it; returns its index.
+    /// Adds a camera given as glTF JSON; returns its index.
     pub(crate) fn camera(&mut self, camera: Value) -> usize {
         self.cameras.push(camera);
         self.cameras.len() - 1
@@ -204,7 +204,7 @@ impl Glb {
         self.node(node);
     }
 
-    /// Adds a skin: joint nodes and the matrices that bring the mesh into each joint's rest space.
+    /// Adds a skin: joint nodes and their inverse bind matrices.
     pub(crate) fn skin(&mut self, joints: &[usize], joint_from_mesh: &[DMat4]) -> usize {
         let rows: Vec<f64> = joint_from_mesh.iter().flat_map(|matrix| matrix.to_cols_array()).collect();
         let matrices = self.floats(&rows, 16, None);
@@ -212,7 +212,7 @@ impl Glb {
         self.skins.len() - 1
     }
 
-    /// Adds a clip whose tracks are blended linearly.
+    /// Adds a clip whose tracks are interpolated linearly.
     pub(crate) fn clip(&mut self, name: &str, tracks: &[Track]) {
         let mut samplers = Vec::new();
         let mut channels = Vec::new();
@@ -226,7 +226,7 @@ impl Glb {
         self.clips.push(json!({ "name": name, "samplers": samplers, "channels": channels }));
     }
 
-    /// The whole file. `copyright` goes into the asset's head.
+    /// The complete file. `copyright` goes into its `asset` object.
     pub(crate) fn bytes(mut self, copyright: &str) -> Vec<u8> {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let mut text = self.document(copyright).to_string().into_bytes();
@@ -269,7 +269,7 @@ impl Glb {
             ("skins", &self.skins),
             ("animations", &self.clips),
         ];
-        // The format forbids empty lists.
+        // glTF forbids empty arrays.
         for (key, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
             document[key] = json!(list);
         }
@@ -288,12 +288,12 @@ impl Glb {
     }
 }
 
-/// Translation and rotation of a node at `eye` that looks (shines) along `direction`, its top upwards.
+/// Translation and rotation of a node at `eye` that looks (or shines) along `direction`, with its top upwards.
 pub(crate) fn placed(eye: DVec3, direction: DVec3) -> Value {
     json!({ "translation": numbers(&eye.to_array()), "rotation": numbers(&looking(direction).to_array()) })
 }
 
-/// The rotation that turns −z to `direction`, y upwards.
+/// The rotation from −z to `direction`, y upwards.
 pub(crate) fn looking(direction: DVec3) -> glam::DQuat {
     let back = -direction.normalize();
     let right = DVec3::Y.cross(back).normalize();

@@ -1,6 +1,6 @@
-//! The gnome's body: coat, trousers, boots, mittens, head, beard and hat, with the shares of its joints.
+//! The gnome's body: coat, trousers, boots, mittens, head, beard and hat, with joint weights.
 //!
-//! Out: surfaces in the rest pose of [`super::rig`], looking along +z, soles on y = 0.
+//! Out: surfaces in the rest pose of [`super::rig`]; the gnome looks along +z and its soles are at y = 0.
 
 use super::fields::{blended, block, capsule, ellipsoid, mirrored, ring};
 use super::glb::Surface;
@@ -102,7 +102,7 @@ fn buckle(at: DVec3) -> f64 {
     block(at, center, v(0.045, 0.038, 0.014), 0.008).max(-block(at, center, v(0.026, 0.019, 0.05), 0.004))
 }
 
-/// The surface of a field within a box, bound to joints.
+/// The surface of a field within a box, with weights of the given joints.
 fn cut(field: fn(DVec3) -> f64, [lo, hi]: [DVec3; 2], cell: f64, joints: &[usize], material: usize) -> Surface {
     let surface = skin_of(field, &Region { lo, hi, cell });
     bound(Surface { material, ..surface }, joints)
@@ -125,7 +125,7 @@ fn belt(material: usize) -> Surface {
         .collect();
     let mut strap = lathe(&profile, 40);
     for position in &mut strap.positions {
-        // The belly is not quite round.
+        // The belly is not exactly round.
         *position = v(position.x * 1.03, position.y, position.z) + v(0.0, 0.0, 0.012 * 0.5);
     }
     bound(Surface { material, ..strap }, &WAIST)
@@ -150,7 +150,7 @@ pub(crate) fn body(cloths: Cloths) -> Vec<Surface> {
     ]
 }
 
-/// The node `Face`, rosy at nose, cheeks and ears.
+/// The node `Face`, reddish at nose, cheeks and ears.
 pub(crate) fn head(cloths: Cloths) -> Vec<Surface> {
     let mut skin = cut(face, [v(-0.28, 0.58, -0.22), v(0.28, 1.02, 0.3)], 0.022, &[HEAD], cloths.skin);
     let rosy = |at: &DVec3| {
@@ -169,7 +169,7 @@ pub(crate) fn whiskers(cloths: Cloths) -> Vec<Surface> {
     vec![cut(beard, [v(-0.26, 0.4, -0.26), v(0.26, 1.0, 0.3)], 0.023, &[HEAD], cloths.fur)]
 }
 
-/// The node `Hat`: a knitted cone that leans back, its brim and its bobble.
+/// The node `Hat`: a knitted cone that leans back, with brim and bobble.
 pub(crate) fn hat(cloths: Cloths) -> Vec<Surface> {
     let profile: Vec<DVec2> = (0..=20)
         .map(|row| {
@@ -201,7 +201,7 @@ pub(crate) fn hat(cloths: Cloths) -> Vec<Surface> {
     parts
 }
 
-/// An eye around its own middle, with a glint.
+/// An eye in its own coordinates, with a highlight.
 pub(crate) fn eye(cloths: Cloths) -> Vec<Surface> {
     let ball = |center: DVec3, radii: DVec3, material: usize| {
         let profile: Vec<DVec2> = (0..=8)
@@ -221,5 +221,5 @@ pub(crate) fn eye(cloths: Cloths) -> Vec<Surface> {
     vec![ball(DVec3::ZERO, v(0.027, 0.037, 0.02), cloths.eye), glint]
 }
 
-/// Where the left eye is; the right one mirrors it.
+/// Position of the left eye; the right one is its mirror image.
 pub(crate) const EYE: DVec3 = v(0.068, 0.822, 0.170);

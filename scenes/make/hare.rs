@@ -1,6 +1,7 @@
-//! The hare scene: a closed mesh of about as many vertices as the paper's bunny, turning on a turntable.
+//! The hare scene: a closed mesh with about as many vertices as the paper's bunny, rotating on a turntable.
 //!
-//! Out: hare.glb. Nodes: `Turntable` (turns) with the child `Hare`, and below it `Eyes` and `Nose`; `Floor`; `ShotCam`.
+//! Out: hare.glb. Nodes: `Turntable` (animated) with the child `Hare`, and below it `Eyes` and `Nose`; `Floor`;
+//! `ShotCam`.
 
 use super::fields::{blended, capsule, ellipsoid, mirrored};
 use super::glb::{Glb, Surface, Track, numbers, placed};
@@ -9,20 +10,20 @@ use super::paint::smoothstep;
 use glam::{DQuat, DVec2, DVec3};
 use serde_json::json;
 
-/// Side of a cell of the surface net: it decides the number of vertices.
+/// Side of a cell of the surface net, which determines the number of vertices.
 const CELL: f64 = 0.0895;
 
-/// The turntable turns from minus to plus this angle within the clip, degrees.
+/// The turntable rotates from minus to plus this angle during the clip, degrees.
 const HALF_TURN: f64 = 65.0;
 
 const fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// Distance to the ears, on both sides.
+/// Distance to the ears on both sides.
 fn ears(at: DVec3) -> f64 {
     let half = mirrored(at);
-    // Flat from front to back.
+    // Ears are flattened from front to back.
     let flat = v(half.x, half.y, half.z * 1.35);
     let root = capsule(flat, v(0.09, 0.98, -0.01), v(0.15, 1.25, -0.05), [0.075, 0.105]);
     blended(root, capsule(flat, v(0.15, 1.25, -0.05), v(0.185, 1.5, -0.09), [0.105, 0.055]), 0.03)
@@ -45,7 +46,7 @@ fn hare(at: DVec3) -> f64 {
     blended(blended(face, trunk.min(thigh), 0.04), tail, 0.03)
 }
 
-/// Fur: sandy, pale below and on the muzzle, dark tips of the ears, pink inside them.
+/// Fur: sandy, pale below and on the muzzle, with dark tips of the ears and pink insides.
 fn fur(at: DVec3, normal: DVec3) -> DVec3 {
     let sand = v(0.47, 0.27, 0.13);
     let cream = v(0.86, 0.74, 0.60);
@@ -61,7 +62,7 @@ fn fur(at: DVec3, normal: DVec3) -> DVec3 {
 
 /// The hare's closed mesh.
 pub(crate) fn body(material: usize) -> Surface {
-    // Whole cells on both sides of the middle: left and right come out alike.
+    // The plane of symmetry is a border between cells, so that left and right are equal.
     let region = Region { lo: v(-6.0 * CELL, -0.10, -0.55), hi: v(6.0 * CELL, 1.7, 0.55), cell: CELL };
     let mut surface = skin_of(hare, &region);
     surface.colors = surface.positions.iter().zip(&surface.normals).map(|(at, normal)| fur(*at, *normal)).collect();
@@ -69,7 +70,7 @@ pub(crate) fn body(material: usize) -> Surface {
     surface
 }
 
-/// A ball of a given middle and radii.
+/// An ellipsoid with the given centre and radii.
 fn ball(center: DVec3, radii: DVec3, material: usize) -> Surface {
     const ROWS: u32 = 8;
     let profile =
@@ -80,7 +81,7 @@ fn ball(center: DVec3, radii: DVec3, material: usize) -> Surface {
     Surface { uvs: Vec::new(), material, ..surface }
 }
 
-/// Both eyes with their glints in one mesh: dark balls and small bright ones.
+/// Both eyes in one mesh: dark balls with small bright highlights.
 fn eyes([dark, bright]: [usize; 2]) -> [Surface; 2] {
     let pair = |at: DVec3, shift: DVec3, radius: f64, material: usize| {
         let mut left = ball(at + shift, DVec3::splat(radius), material);
@@ -95,7 +96,7 @@ fn eyes([dark, bright]: [usize; 2]) -> [Surface; 2] {
     [pair(at, DVec3::ZERO, 0.043, dark), pair(at, v(0.012, 0.018, 0.032), 0.014, bright)]
 }
 
-/// Floor and wall in one bent sheet with a pool of light and a soft shadow, drawn by vertex colours.
+/// Floor and wall as one bent surface, with a pool of light and a soft shadow in vertex colours.
 fn floor(material: usize) -> Surface {
     const COLUMNS: u32 = 24;
     const ROWS: u32 = 24;
@@ -119,7 +120,7 @@ fn floor(material: usize) -> Surface {
     sheet
 }
 
-/// The file.
+/// The glTF binary file.
 pub(crate) fn scene() -> Vec<u8> {
     let mut glb = Glb::default();
     let plain = |name: &str, color: [f64; 4], roughness: f64| {

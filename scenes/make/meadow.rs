@@ -1,6 +1,6 @@
-//! Where the gnome walks: a path through a meadow, grass, mushrooms, and painted hills far behind.
+//! Surroundings of the walking gnome: a path through a meadow, grass, mushrooms, and painted hills in the distance.
 //!
-//! Out: surfaces in scene space; the ground is y = 0, the path leads along [`HEADING`].
+//! Out: surfaces in scene space. The ground is y = 0, and the path leads along [`HEADING`].
 
 use super::glb::Surface;
 use super::nets::lathe;
@@ -10,17 +10,17 @@ use glam::{DVec2, DVec3};
 /// Direction of the walk: to the right and a little towards the camera (50 degrees from +z to +x).
 pub(crate) const HEADING: DVec3 = DVec3::new(0.766_044_443_119, 0.0, 0.642_787_609_687);
 
-/// Corners of the ground, x and z: the left far one, the right near one.
+/// Corners of the ground, x and z: far left, near right.
 const GROUND: [DVec2; 2] = [DVec2::new(-7.0, -6.0), DVec2::new(7.0, 3.0)];
 
-/// A number in 0..1 that belongs to a pair of numbers.
+/// A pseudo-random number in 0..1 for a pair of numbers.
 fn hash(x: i64, y: i64) -> f64 {
     let mixed = x.wrapping_mul(374_761_393).wrapping_add(y.wrapping_mul(668_265_263));
     let mixed = (mixed ^ (mixed >> 13)).wrapping_mul(1_274_126_177);
     ((mixed >> 16) & 0xffff) as f64 / 65536.0
 }
 
-/// Smooth noise in 0..=1, one bump a unit.
+/// Smooth noise in 0..=1 with one bump per unit.
 pub(crate) fn noise(at: DVec2) -> f64 {
     let (cell, t) = (at.floor(), at - at.floor());
     let t = t * t * (DVec2::splat(3.0) - 2.0 * t);
@@ -36,7 +36,7 @@ fn off_path(at: DVec2) -> f64 {
     (at.perp_dot(ahead) + 0.10 * (noise(DVec2::new(along * 0.9, 3.0)) - 0.5)).abs()
 }
 
-/// Colour of the meadow far away, where it meets the hills.
+/// Colour of the distant meadow, where it meets the hills.
 const HAZE: DVec3 = DVec3::new(0.42, 0.55, 0.30);
 
 /// Colour of the ground at a texture coordinate.
@@ -90,14 +90,14 @@ pub(crate) fn ground(material: usize) -> Surface {
     sheet(corners.map(|(x, z)| DVec3::new(x, 0.0, z)), material)
 }
 
-/// The painted sky, where the ground ends.
+/// The painted sky behind the ground.
 pub(crate) fn backdrop(material: usize) -> Surface {
     let (z, half) = (GROUND[0].y, GROUND[1].x);
     let corners = [(-half, 0.0), (half, 0.0), (half, 5.0), (-half, 5.0)];
     sheet(corners.map(|(x, y)| DVec3::new(x, y, z)), material)
 }
 
-/// Tufts of grass beside the path: bent blades, darker at their roots.
+/// Tufts of grass beside the path: bent blades with darker roots.
 pub(crate) fn grass(material: usize) -> Surface {
     let mut blades = Surface { material, ..Surface::default() };
     for tuft in 0..400_i64 {
@@ -126,7 +126,7 @@ fn add_blade(blades: &mut Surface, root: DVec3, tip: DVec3, tone: f64) {
     blades.triangles.push([first, first + 1, first + 2]);
 }
 
-/// Toadstools: stems and spotless red caps, coloured by vertex.
+/// Toadstools with stems and plain red caps, in vertex colours.
 pub(crate) fn mushrooms(material: usize) -> Surface {
     let stands = [
         (-0.95, -0.95, 1.2),

@@ -1,6 +1,6 @@
-//! The scenes of this folder, made by code.
+//! The scenes of this repository that are made by code.
 //!
-//! Out: the bytes of each .glb and .png file, the same on every run. `cargo run --example make_scenes` writes them.
+//! Out: the bytes of each .glb and .png file, the same in every run. `cargo run --example make_scenes` writes them.
 
 mod cat;
 mod drawing;
@@ -24,10 +24,10 @@ mod walker;
 
 use image::ImageError;
 
-/// Path below `scenes/` and contents of every file that code makes.
+/// Path below `scenes/` and contents of every file made by code.
 ///
 /// # Errors
-/// Where a texture cannot be encoded.
+/// If a texture cannot be encoded.
 pub(crate) fn files() -> Result<Vec<(&'static str, Vec<u8>)>, ImageError> {
     Ok(vec![
         ("teapot/teapot.glb", teapot::scene()?),

@@ -1,14 +1,14 @@
 //! Smooth closed surfaces from distance fields, and surfaces of revolution.
 //!
-//! In: a function that is negative inside. Out: welded triangles with the field's own normals. Method: S. F. F. Gibson,
-//! "Constrained elastic surface nets", 1998, in its naive form (a vertex a cell, at the mean of its edge crossings),
-//! with vertices then drawn onto the surface along the gradient.
+//! In: a function that is negative inside. Out: triangles with shared vertices and the gradient of the field as
+//! normals. Method: S. F. F. Gibson, "Constrained elastic surface nets", 1998, in its naive form (one vertex per cell,
+//! at the mean of its edge crossings), followed by a projection of the vertices onto the surface along the gradient.
 
 use super::glb::Surface;
 use glam::{DVec2, DVec3, IVec3};
 use std::collections::HashMap;
 
-/// A box to look for the surface in, and the size of the cells.
+/// The box in which the surface is searched, and the size of the cells.
 pub(crate) struct Region {
     /// Lower corner.
     pub(crate) lo: DVec3,
@@ -18,7 +18,7 @@ pub(crate) struct Region {
     pub(crate) cell: f64,
 }
 
-/// Steepest ascent of a field, unit length.
+/// Direction of steepest ascent of a field, unit length.
 fn normal(field: &impl Fn(DVec3) -> f64, at: DVec3) -> DVec3 {
     const STEP: f64 = 1e-4;
     let slope = |axis: DVec3| field(at + axis * STEP) - field(at - axis * STEP);
@@ -63,12 +63,12 @@ pub(crate) fn skin_of(field: impl Fn(DVec3) -> f64, region: &Region) -> Surface 
     surface
 }
 
-/// All integer points from zero up to `counts`, not included.
+/// All integer points from zero up to, but not including, `counts`.
 fn cells(counts: IVec3) -> impl Iterator<Item = IVec3> {
     (0..counts.z).flat_map(move |z| (0..counts.y).flat_map(move |y| (0..counts.x).map(move |x| IVec3::new(x, y, z))))
 }
 
-/// Mean of the places where the surface crosses the edges of a cell, in units of the cell.
+/// Mean of the points where the surface crosses the edges of a cell, in units of the cell.
 fn crossing_mean(value_at: impl Fn(IVec3) -> f64) -> Option<DVec3> {
     let mut sum = DVec3::ZERO;
     let mut count = 0.0;
@@ -84,8 +84,8 @@ fn crossing_mean(value_at: impl Fn(IVec3) -> f64) -> Option<DVec3> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// Turns a profile (radius, height), from its top to its bottom on the outside, around the y axis. u runs around, v
-/// along the profile.
+/// Rotates a profile of (radius, height), given from top to bottom along the outside, around the y axis. u runs around
+/// the axis, v along the profile.
 pub(crate) fn lathe(profile: &[DVec2], around: u32) -> Surface {
     let mut surface = Surface::default();
     let rows = profile.len() as u32;

@@ -5,15 +5,15 @@
 
 use glam::DVec2;
 
-/// Steepest ascent of a field.
+/// Direction of steepest ascent of a field.
 pub(crate) fn gradient(field: impl Fn(DVec2) -> f64, at: DVec2) -> DVec2 {
     const STEP: f64 = 1e-4;
     let slope = |axis: DVec2| (field(at + axis * STEP) - field(at - axis * STEP)) / (2.0 * STEP);
     DVec2::new(slope(DVec2::X), slope(DVec2::Y))
 }
 
-/// The closed curve on which the field has the value `level`, counter-clockwise from near `start`, as `count` points at
-/// equal distances.
+/// The closed level curve of the field at `level`, as `count` points at equal distances, counter-clockwise from near
+/// `start`.
 pub(crate) fn contour(field: impl Fn(DVec2) -> f64, level: f64, start: DVec2, count: usize) -> Vec<DVec2> {
     const STEP: f64 = 0.005;
     let settled = |mut point: DVec2| {
@@ -47,11 +47,11 @@ pub(crate) fn fill(field: impl Fn(DVec2) -> f64, level: f64, spacing: f64) -> Ve
     points
 }
 
-/// Delaunay triangles of the points whose middle lies inside the field, counter-clockwise.
+/// Delaunay triangles of the points whose centroid is inside the field, counter-clockwise.
 pub(crate) fn triangulate(points: &[DVec2], field: impl Fn(DVec2) -> f64) -> Vec<[u32; 3]> {
     const FAR: f64 = 1e3;
     let count = points.len();
-    // Points of a grid lie on common circles; a shift too small to see leaves no ties.
+    // Points of a regular grid are cocircular; an invisible shift breaks the ties.
     let shift = |index: usize| DVec2::new((index * 7919 % 1009) as f64, (index * 6271 % 1013) as f64) * 1e-8;
     let mut all: Vec<DVec2> = points.iter().enumerate().map(|(index, point)| *point + shift(index)).collect();
     all.extend([DVec2::new(-FAR, -FAR), DVec2::new(FAR, -FAR), DVec2::new(0.0, FAR)]);
@@ -67,7 +67,7 @@ pub(crate) fn triangulate(points: &[DVec2], field: impl Fn(DVec2) -> f64) -> Vec
         .collect()
 }
 
-/// Replaces the triangles whose circumcircle holds the new point by a fan around it.
+/// Replaces the triangles whose circumcircle contains the new point by a fan around it.
 fn insert(triangles: &mut Vec<[usize; 3]>, points: &[DVec2], index: usize) {
     let holds = |corners: &[usize; 3]| in_circle(corners.map(|corner| points[corner] - points[index])) > 0.0;
     let (hit, kept): (Vec<_>, Vec<_>) = triangles.iter().copied().partition(holds);
@@ -77,7 +77,7 @@ fn insert(triangles: &mut Vec<[usize; 3]>, points: &[DVec2], index: usize) {
     triangles.extend(rim.map(|&[from, to]| [from, to, index]));
 }
 
-/// Positive where the origin lies inside the circle through three counter-clockwise points.
+/// Positive if the origin lies inside the circle through three counter-clockwise points.
 fn in_circle([a, b, c]: [DVec2; 3]) -> f64 {
     let lift = |point: DVec2, from: DVec2, to: DVec2| point.length_squared() * from.perp_dot(to);
     lift(a, b, c) + lift(b, c, a) + lift(c, a, b)

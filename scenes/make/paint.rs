@@ -1,4 +1,4 @@
-//! Pictures drawn by code.
+//! Textures made by code.
 //!
 //! In: a function from texture coordinates to linear colour. Out: the bytes of a PNG file, sRGB-encoded.
 
@@ -8,28 +8,28 @@ use image::{
     codecs::png::{CompressionType, FilterType, PngEncoder},
 };
 
-/// A linear colour with its opacity, not multiplied.
+/// A linear colour with opacity, not premultiplied.
 pub(crate) struct Rgba {
     /// Linear RGB.
     pub(crate) color: DVec3,
-    /// 0: clear, 1: opaque; clamped.
+    /// 0 is transparent, 1 opaque; clamped.
     pub(crate) alpha: f64,
 }
 
-/// The PNG of a colour function, sampled at texel centres; (0, 0) is the upper left corner.
+/// A PNG file of a colour function, sampled at texel centres. (0, 0) is the upper left corner.
 ///
 /// # Errors
-/// Where the encoder fails.
+/// If the encoder fails.
 pub(crate) fn png(width: u32, height: u32, color_at: impl Fn(DVec2) -> DVec3) -> Result<Vec<u8>, ImageError> {
     let texels: Vec<u8> =
         texel_centers(width, height).flat_map(|uv| color_at(uv).to_array().map(srgb_from_linear)).collect();
     encoded([width, height], &texels, ExtendedColorType::Rgb8)
 }
 
-/// As [`png`], with opacity.
+/// Same as [`png`], with opacity.
 ///
 /// # Errors
-/// Where the encoder fails.
+/// If the encoder fails.
 pub(crate) fn png_rgba(width: u32, height: u32, paint_at: impl Fn(DVec2) -> Rgba) -> Result<Vec<u8>, ImageError> {
     let texel = |uv: DVec2| {
         let Rgba { color, alpha } = paint_at(uv);
@@ -40,7 +40,7 @@ pub(crate) fn png_rgba(width: u32, height: u32, paint_at: impl Fn(DVec2) -> Rgba
     encoded([width, height], &texels, ExtendedColorType::Rgba8)
 }
 
-/// Rows from the top, u and v in 0..1.
+/// Samples rows from the top, with u and v in 0..1.
 fn texel_centers(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
     let center = |index: u32, count: u32| (f64::from(index) + 0.5) / f64::from(count);
     (0..height)
@@ -61,7 +61,7 @@ fn srgb_from_linear(linear: f64) -> u8 {
     (encoded * 255.0).round() as u8
 }
 
-/// 0 below `from`, 1 above `to`, smooth between.
+/// 0 below `from`, 1 above `to`, with a smooth transition.
 pub(crate) fn smoothstep(from: f64, to: f64, value: f64) -> f64 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,6 +1,6 @@
-//! Bicubic Bézier patches and their tessellation into welded triangles with the patches' own normals.
+//! Bicubic Bézier patches and their tessellation into triangles with shared vertices and exact normals.
 //!
-//! In: 4x4 control points a patch. Out: a surface. P. Bézier's form as in every textbook: s = Σ_ij B_i(u) B_j(v) b_ij.
+//! In: 4x4 control points per patch. Out: a surface. Bézier's form s = Σ_ij B_i(u) B_j(v) b_ij.
 
 use super::glb::Surface;
 use glam::DVec3;
@@ -17,12 +17,12 @@ fn bernstein(t: f64) -> ([f64; 4], [f64; 4]) {
     (values, slopes)
 }
 
-/// The patch with outside and inside swapped.
+/// The patch with inside and outside exchanged.
 pub(crate) fn turned(patch: &Patch) -> Patch {
     std::array::from_fn(|i| std::array::from_fn(|j| patch[j][i]))
 }
 
-/// Applies a map to all control points; a map that mirrors turns the patch over as well.
+/// Applies a map to all control points. A reflection also exchanges inside and outside; [`turned`] exchanges them back.
 pub(crate) fn mapped(patch: &Patch, map: impl Fn(DVec3) -> DVec3) -> Patch {
     patch.map(|row| row.map(&map))
 }
@@ -32,7 +32,8 @@ fn blend(patch: &Patch, along_u: [f64; 4], along_v: [f64; 4]) -> DVec3 {
     patch.iter().zip(along_u).map(|(points, share)| row(points) * share).sum()
 }
 
-/// Point and unit normal at (u, v). At a pole one derivative vanishes: the normal is taken a little inside.
+/// Point and unit normal at (u, v). At a pole, where one derivative vanishes, the normal is taken slightly inside the
+/// patch.
 fn evaluate(patch: &Patch, u: f64, v: f64) -> (DVec3, DVec3) {
     let normal_at = |u: f64, v: f64| {
         let ((bu, du), (bv, dv)) = (bernstein(u), bernstein(v));
@@ -47,8 +48,8 @@ fn evaluate(patch: &Patch, u: f64, v: f64) -> (DVec3, DVec3) {
     (point, normal_at(inside(u), inside(v)).normalize())
 }
 
-/// Tessellates patches that belong together with `steps` quads a side. Equal points are welded, their normals averaged;
-/// triangles of zero area are left out.
+/// Tessellates the patches of a part with `steps` quads per side. Equal points are merged and their normals averaged;
+/// triangles with zero area are omitted.
 pub(crate) fn tessellate(patches: &[Patch], steps: u32) -> Surface {
     let mut surface = Surface::default();
     let mut known = HashMap::new();

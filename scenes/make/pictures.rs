@@ -1,6 +1,7 @@
-//! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example make_pictures`;
-//! also docs/branches.png (a raised arm under a plain and a branching lattice), docs/bulge.png (a hard pull as the paper, a point and a disc answer it), docs/fit.png, docs/flag.png, docs/transfer.png.
-//! Names as arguments: only theirs.
+//! Writes `picture.png` of every scene, one frame without and with its pins: `cargo run --release --example
+//! make_pictures`. Also writes docs/branches.png (a raised arm under a plain and a branching lattice), docs/bulge.png
+//! (a strong pull with the paper's preset, with pins that act on points, and with discs), docs/fit.png, docs/flag.png,
+//! docs/transfer.png. Arguments select pictures by name.
 
 mod fit_sheet;
 mod flag_sheet;
@@ -16,17 +17,17 @@ use pinwarp::space::FrameSize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// One picture.
+/// A picture of a scene.
 struct Picture {
     /// Folder below `scenes/`.
     scene: &'static str,
-    /// Frame that shows the warp best.
+    /// The frame to show.
     frame: i32,
-    /// Rows of the picture.
+    /// Height of the picture in pixels.
     height: u32,
-    /// Columns of each half, cut from the middle of the frame.
+    /// Width of each half in pixels, cut from the middle of the frame.
     width: u32,
-    /// The cut is moved to the right by this many columns.
+    /// Shift of the cut to the right, in pixels.
     shift: i64,
 }
 
@@ -40,10 +41,10 @@ const PICTURES: [Picture; 7] = [
     Picture { scene: "walker", frame: 7, height: 540, width: 520, shift: -40 },
 ];
 
-/// White columns between the halves.
+/// Width of the white gap between the halves, in pixels.
 const GAP: u32 = 8;
 
-/// Draws a picture of docs/ from the folder of the scenes.
+/// Draws a picture for docs/, given the folder of the scenes.
 type Strip = fn(&Path) -> anyhow::Result<RgbImage>;
 
 fn main() -> anyhow::Result<()> {
@@ -74,7 +75,8 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Belly of the teapot, pulled down at 30 x 30 handles: the paper's preset, pins that act on points, pins with discs.
+/// The teapot with its belly pulled down at 30 x 30 handles: the paper's preset, pins that act on points, pins with
+/// discs.
 fn bulge(folder: &Path) -> anyhow::Result<RgbImage> {
     const SIDE: u32 = 300;
     let read = || Shot::read(&folder.join("teapot/bulge.toml"));
@@ -129,7 +131,7 @@ fn transfer(folder: &Path) -> anyhow::Result<RgbImage> {
     Ok(strip)
 }
 
-/// The frame with the warp at `strength`, cut to the picture's half.
+/// The frame with all strengths multiplied by `strength`, cut to one half of the picture.
 fn half(picture: &Picture, place: &Path, strength: f64) -> anyhow::Result<RgbImage> {
     let mut shot = Shot::read(&place.join("shot.toml"))?;
     for layer in &mut shot.layers {
@@ -140,7 +142,7 @@ fn half(picture: &Picture, place: &Path, strength: f64) -> anyhow::Result<RgbIma
     Ok(imageops::crop_imm(&whole, left.max(0) as u32, 0, picture.width, picture.height).to_image())
 }
 
-/// One frame of a shot at another height.
+/// One frame of a shot, rendered at another height.
 fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage> {
     let scratch = tempfile::tempdir()?;
     let columns = (shot.size.aspect() * f64::from(height)).round();
@@ -169,7 +171,7 @@ fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage>
     Ok(over_white(&image::open(scratch.path().join(format!("frame.{frame:04}.png")))?.into_rgba8()))
 }
 
-/// Straight alpha over white paper.
+/// Composites straight alpha over white.
 fn over_white(picture: &RgbaImage) -> RgbImage {
     RgbImage::from_fn(picture.width(), picture.height(), |x, y| {
         let [r, g, b, a] = picture.get_pixel(x, y).0.map(f32::from);

@@ -1,13 +1,14 @@
-//! A drawn girl whose parts are close to each other: arms beside a skirt, two tails of hair, legs.
+//! A drawn girl with parts close to each other: arms beside a skirt, two pigtails, legs.
 //!
-//! Out: a PNG file. She is 1 high; the canvas shows x from -0.36 to 0.36 and y from -0.04 to 1.04. No gap is wider than 0.03.
+//! Out: a PNG file. The girl is 1 high; the canvas shows x from -0.36 to 0.36 and y from -0.04 to 1.04. No gap is wider
+//! than 0.03.
 
 use super::drawing::{Shape, colour, drawn};
 use super::figures::draw::{Limb, chain, ellipse, melted};
 use glam::DVec2;
 use image::ImageError;
 
-/// Width of the lines.
+/// Width of the outlines.
 const INK: f64 = 0.006;
 
 /// Half widths of waist, hem and chest.
@@ -19,13 +20,14 @@ const fn at(x: f64, y: f64) -> DVec2 {
     DVec2::new(x, y)
 }
 
-/// Distance to a body that is symmetric about x = 0, `width` wide at a height, from `low` to `high`.
+/// Distance to a body symmetric about x = 0, between the heights `low` and `high`; `width` is its half width at a
+/// height.
 fn symmetric(p: DVec2, [low, high]: [f64; 2], width: impl Fn(f64) -> f64) -> f64 {
     let y = p.y.clamp(low, high);
     (p.x.abs() - width(y)).max(p.y - high).max(low - p.y)
 }
 
-/// The skirt, its hem rounded.
+/// The skirt, with a rounded hem.
 fn skirt(p: DVec2) -> f64 {
     let share = |y: f64| ((0.52 - y) / 0.2).clamp(0.0, 1.0);
     let round = 0.012;
@@ -41,13 +43,13 @@ fn blouse(p: DVec2) -> f64 {
     }) - round
 }
 
-/// A limb of an even width that bends at its joints.
+/// A limb of constant width that bends at its joints.
 fn limb(points: &[(DVec2, f64)]) -> impl Fn(DVec2) -> f64 + 'static {
     let parts: Vec<Limb> = chain(points).into_iter().map(|part| part.melting(0.012)).collect();
     move |p| melted(&parts, p)
 }
 
-/// The picture.
+/// The PNG file.
 pub(crate) fn picture() -> Result<Vec<u8>, ImageError> {
     let (skin, hair, dark) = (colour(0xf7d9c0), colour(0x7a4a2e), colour(0x3a2a2e));
     let (white, red, blue) = (colour(0xfdfaf4), colour(0xd2504e), colour(0x3f5f9e));

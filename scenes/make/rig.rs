@@ -1,7 +1,8 @@
-//! The gnome's skeleton, its walk and the shares of joints in vertices.
+//! The gnome's skeleton, its walk cycle and its joint weights.
 //!
 //! In: a phase of the walk. Out: joint rotations, and the height of the hips at which the lower foot stands on the
-//! ground. At rest all joints are turned like the scene; the gnome looks along +z, its left side is +x.
+//! ground. At rest all joints are aligned with the axes of the scene; the gnome looks along +z, and its left side is
+//! +x.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::f64::consts::TAU;
@@ -10,17 +11,17 @@ use std::f64::consts::TAU;
 pub(crate) struct Joint {
     /// Name of its node.
     pub(crate) name: &'static str,
-    /// Index of its parent; the first joint has none.
+    /// Index of the parent; `None` for the root.
     pub(crate) parent: Option<usize>,
-    /// Where it is, metres.
+    /// Position of the joint, metres.
     pub(crate) at: DVec3,
-    /// Where its bone ends, metres.
+    /// End of its bone, metres.
     pub(crate) end: DVec3,
-    /// Points closer to the bone than this are wholly its own, metres.
+    /// Points closer to the bone than this have its full weight, metres.
     radius: f64,
 }
 
-/// Name, parent, and the bone: where it starts and ends, and its radius.
+/// Name, parent, and the start, end and radius of the bone.
 const fn joint(name: &'static str, parent: Option<usize>, at: [f64; 3], end: [f64; 3], radius: f64) -> Joint {
     Joint { name, parent, at: DVec3::from_array(at), end: DVec3::from_array(end), radius }
 }
@@ -52,24 +53,24 @@ pub(crate) const JOINTS: [Joint; 15] = [
 /// Points under heel and toe of the left foot, at rest.
 const SOLE: [DVec3; 2] = [DVec3::new(0.115, 0.0, -0.05), DVec3::new(0.12, 0.0, 0.13)];
 
-/// Metres that the gnome walks in a cycle: the feet then hardly slide.
+/// Distance that the gnome walks per cycle, metres; it is chosen so that the feet hardly slide.
 pub(crate) const STRIDE: f64 = 0.56;
 
-/// Brings the mesh into a joint's rest space.
+/// The inverse bind matrix of a joint.
 pub(crate) fn joint_from_mesh(joint: &Joint) -> DMat4 {
     DMat4::from_translation(-joint.at)
 }
 
-/// Translation of a joint in its parent, at rest.
+/// Translation of a joint relative to its parent, at rest.
 pub(crate) fn offset(joint: &Joint) -> DVec3 {
     joint.at - joint.parent.map_or(DVec3::ZERO, |parent| JOINTS[parent].at)
 }
 
-/// The skeleton at one moment of the walk.
+/// The pose of the skeleton at one phase of the walk.
 pub(crate) struct Stance {
-    /// A rotation a joint.
+    /// One rotation per joint.
     pub(crate) rotations: [DQuat; JOINTS.len()],
-    /// Where the hips are.
+    /// Position of the hips.
     pub(crate) hips: DVec3,
 }
 
@@ -85,7 +86,7 @@ fn roll(degrees: f64) -> DQuat {
     DQuat::from_rotation_z(degrees.to_radians())
 }
 
-/// Thigh, shin and foot of a leg that touches the ground, stretched forwards, at phase 0.
+/// Rotations of thigh, shin and foot of a leg. At phase 0 it is stretched forwards and touches the ground.
 fn leg(phase: f64) -> [DQuat; 3] {
     let angle = phase * TAU;
     let lift = (-angle.sin()).max(0.0);
@@ -95,14 +96,14 @@ fn leg(phase: f64) -> [DQuat; 3] {
     [pitch(-forwards), pitch(knee), pitch(forwards - knee - toe_up)]
 }
 
-/// Upper arm and forearm; `side` is 1 for the left arm.
+/// Rotations of upper arm and forearm; `side` is 1 for the left arm, -1 for the right.
 fn arm(phase: f64, side: f64) -> [DQuat; 2] {
     let swing = (phase * TAU).cos();
     let late = ((phase - 0.06) * TAU).cos();
     [pitch(-6.0 - 40.0 * swing) * roll(-16.0 * side), pitch(-28.0 - 24.0 * late) * roll(6.0 * side)]
 }
 
-/// The walk at a phase; 1 is a whole cycle of two steps, and the same as 0.
+/// The walk at a phase. A cycle of two steps has length 1; phases 0 and 1 are the same.
 pub(crate) fn walk(phase: f64) -> Stance {
     let (turn, bounce) = ((phase * TAU).cos(), (2.0 * phase * TAU).cos());
     let lag = (2.0 * (phase - 0.12) * TAU).cos();
@@ -135,7 +136,8 @@ fn lowest(stance: &Stance) -> f64 {
     soles.map(|(foot, sole)| placed[foot].transform_point3(sole - JOINTS[foot].at).y).fold(f64::INFINITY, f64::min)
 }
 
-/// The shares of the given joints in a point: they fall off with the sixth power of the distance from the bone.
+/// The normalised weights of the given joints at a point, the four largest. They decrease with the sixth power of the
+/// distance from the bone.
 pub(crate) fn influences(at: DVec3, joints: &[usize]) -> [(u8, f64); 4] {
     let mut shares: Vec<(u8, f64)> = joints.iter().map(|&joint| (joint as u8, share(at, &JOINTS[joint]))).collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -149,7 +151,7 @@ fn share(at: DVec3, joint: &Joint) -> f64 {
     let along = ((at - joint.at).dot(bone) / bone.length_squared()).clamp(0.0, 1.0);
     let outside = (at.distance(joint.at + bone * along) - joint.radius).max(0.0);
     let near = (0.03 / (0.03 + outside)).powi(6);
-    // Limbs of one side leave the other side alone.
+    // Bones of one side have almost no weight on the other side.
     let side = (0.5 + at.x * joint.end.x.signum() / 0.06).clamp(0.0, 1.0);
     if joint.end.x == 0.0 { near } else { near * side + 1e-12 }
 }

@@ -1,4 +1,4 @@
-//! The teapot scene: Newell's patches, glazed, on a table that fades into the wall behind it.
+//! The teapot scene: Newell's patches, glazed, on a table that merges into the wall behind it.
 //!
 //! Out: teapot.glb with the nodes `Teapot` (530 vertices, 1 primitive), `Table`, `ShotCam` and three lights.
 
@@ -10,18 +10,18 @@ use glam::{DVec2, DVec3};
 use image::ImageError;
 use serde_json::json;
 
-/// Metres a unit of Newell's: a pot of 16 cm.
+/// Metres per unit of Newell's data: the pot is 16 cm high.
 const METRES: f64 = 0.05;
 
-/// Quads along a patch's side: 530 vertices, as in the paper's figure.
+/// Quads per side of a patch, chosen for 530 vertices as in the paper's figure.
 const STEPS: u32 = 4;
 
-/// glTF's axes from Newell's: his z points up.
+/// Converts Newell's axes, where z points up, to those of glTF.
 fn scene_from_newell(point: DVec3) -> DVec3 {
     DVec3::new(point.x, point.z, -point.y) * METRES
 }
 
-/// A patch a quarter circle for each group of four rings, turned four times around the axis.
+/// For each group of four rings, a patch of a quarter circle and its three copies around the axis.
 fn revolved(rings: &[Ring]) -> Vec<Patch> {
     let quarter = |[radius, arm, height]: Ring| {
         [(radius, 0.0), (radius, arm), (arm, radius), (0.0, radius)].map(|(x, y)| DVec3::new(x, y, height))
@@ -36,7 +36,7 @@ fn revolved(rings: &[Ring]) -> Vec<Patch> {
     patches
 }
 
-/// Two mirrored patches for each group of four half rings.
+/// For each group of four half rings, a patch and its mirror image.
 fn tube(rings: &[HalfRing]) -> Vec<Patch> {
     let half = |[inner_x, inner_z, outer_x, outer_z, breadth]: HalfRing| {
         let (inner, outer) = (DVec3::new(inner_x, 0.0, inner_z), DVec3::new(outer_x, 0.0, outer_z));
@@ -52,7 +52,7 @@ fn tube(rings: &[HalfRing]) -> Vec<Patch> {
     patches
 }
 
-/// The teapot: four parts, not welded to each other.
+/// The teapot: four parts without shared vertices.
 pub(crate) fn teapot() -> Surface {
     let turned_all = |patches: Vec<Patch>| patches.iter().map(turned).collect();
     let parts: [Vec<Patch>; 4] = [revolved(&POT), revolved(&LID), turned_all(tube(&HANDLE)), tube(&SPOUT)];
@@ -67,7 +67,7 @@ pub(crate) fn teapot() -> Surface {
     all
 }
 
-/// Table and wall in one bent sheet, 2.4 m wide; v runs from the table's front edge to the top of the wall.
+/// Table and wall as one bent surface, 2.4 m wide; v runs from the table's front edge to the top of the wall.
 fn table() -> Surface {
     const ROWS: u32 = 24;
     let mut sheet = Surface::default();
@@ -89,7 +89,7 @@ fn table() -> Surface {
     sheet
 }
 
-/// Colour of the sheet: warm linen, a pool of light, and the pot's shadow painted under it.
+/// Texture of table and wall: warm linen, a pool of light, and the pot's shadow painted under it.
 fn linen(uv: DVec2) -> DVec3 {
     let (x, z) = (2.4 * (uv.x - 0.5), 0.6 - uv.y / 0.55);
     let pool = 1.0 - smoothstep(0.05, 0.75, DVec2::new(x * 0.8, (uv.y - 0.5) * 1.2).length());
@@ -99,10 +99,10 @@ fn linen(uv: DVec2) -> DVec3 {
     base * (1.0 - 0.55 * contact) * (1.0 - 0.45 * cast)
 }
 
-/// The file.
+/// The glTF binary file.
 ///
 /// # Errors
-/// Where the texture cannot be encoded.
+/// If the texture cannot be encoded.
 pub(crate) fn scene() -> Result<Vec<u8>, ImageError> {
     let mut glb = Glb::default();
     let glaze = glb.material(json!({

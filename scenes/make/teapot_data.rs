@@ -1,13 +1,14 @@
 //! The Utah teapot as Martin Newell measured it in 1975: bicubic Bézier patches, in their published symmetric form.
 //!
-//! x points to the spout, heights are z, the teapot's mirror plane is y = 0. The lid, rim, body and bottom stand four
-//! times around the axis, the handle and the spout twice: 2·4 + 1·4 + 2·4 + 1·4 + 2·2 + 2·2 = 32 patches.
+//! x points to the spout, z is the height, y = 0 is the plane of symmetry. Lid, rim, body and bottom are repeated four
+//! times around the axis, handle and spout twice: 2·4 + 1·4 + 2·4 + 1·4 + 2·2 + 2·2 = 32 patches.
 
-/// A circle of control points: radius, the radius times Newell's 0.56 (the arm of a quarter circle; 0.45 at the knob,
-/// as published), height.
+/// A circle of control points: radius, the radius times Newell's 0.56 (control arm of a quarter circle; 0.45 at the
+/// knob, as published), height.
 pub(crate) type Ring = [f64; 3];
 
-/// Rings of the pot, from the rim down to the middle of the bottom; four a patch, neighbours share one.
+/// Rings of the pot, from the rim down to the centre of the bottom; four per patch, of which neighbouring patches share
+/// one.
 pub(crate) const POT: [Ring; 13] = [
     [1.4, 0.784, 2.4],
     [1.3375, 0.749, 2.53125],
@@ -36,10 +37,10 @@ pub(crate) const LID: [Ring; 7] = [
 ];
 
 /// A half ring of a tube: x and z of its inner and of its outer end, and half its breadth. The control points are
-/// inner, inner at −breadth, outer at −breadth, outer; the other half is their mirror image.
+/// inner, inner at −breadth, outer at −breadth, outer; the other half is the mirror image.
 pub(crate) type HalfRing = [f64; 5];
 
-/// Half rings of the handle, from the top; four a patch, neighbours share one.
+/// Half rings of the handle, from the top; four per patch, of which neighbouring patches share one.
 pub(crate) const HANDLE: [HalfRing; 7] = [
     [-1.6, 2.025, -1.5, 2.25, 0.3],
     [-2.3, 2.025, -2.5, 2.25, 0.3],

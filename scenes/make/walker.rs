@@ -1,7 +1,7 @@
-//! The walker scene: a gnome with fifteen joints strolls along a path, the camera goes with it.
+//! The walker scene: a gnome with fifteen joints walks along a path, followed by the camera.
 //!
-//! Out: walker.glb. Layers may claim `Body`, `Legs`, and `Face`, `Beard`, `Hat`, `EyeLeft`, `EyeRight`. Clips: `Stroll`
-//! (48 frames at 24 a second: two cycles, root and camera move), `Walk` (one cycle on the spot, loops).
+//! Out: walker.glb. Nodes that layers can select: `Body`, `Legs`, and `Face`, `Beard`, `Hat`, `EyeLeft`, `EyeRight`.
+//! Clips: `Stroll` (48 frames at 24 fps: two cycles; root and camera move), `Walk` (one cycle in place, loops).
 
 use super::glb::{Glb, Surface, Track, looking, numbers, placed};
 use super::gnome::{Cloths, EYE, body, eye, hat, head, legs, whiskers};
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 /// Frames of a cycle of two steps.
 const CYCLE: u32 = 24;
 
-/// A matte material of one colour.
+/// A matte material with a constant colour.
 fn plain(name: &str, color: [f64; 3], roughness: f64) -> Value {
     json!({
         "name": name,
@@ -25,7 +25,7 @@ fn plain(name: &str, color: [f64; 3], roughness: f64) -> Value {
     })
 }
 
-/// A picture that is not lit.
+/// An unlit material with a texture.
 fn painted(name: &str, texture: usize, alpha: &str) -> Value {
     json!({
         "name": name, "alphaMode": alpha, "extensions": { "KHR_materials_unlit": {} },
@@ -33,7 +33,7 @@ fn painted(name: &str, texture: usize, alpha: &str) -> Value {
     })
 }
 
-/// Colour of the hat: red wool with cream zigzag bands, ribbed like knitting.
+/// Texture of the hat: red wool with cream zigzag bands, ribbed like knitting.
 fn knit(uv: DVec2) -> DVec3 {
     let zigzag = ((uv.x * 12.0).fract() - 0.5).abs() * 0.09;
     let band = |middle: f64| 1.0 - smoothstep(0.020, 0.030, (uv.y + zigzag - middle).abs());
@@ -108,7 +108,7 @@ fn add_gnome(glb: &mut Glb, root: usize, joints: &[usize]) -> Result<(), ImageEr
     add_shadow(glb, root)
 }
 
-/// A soft spot under the gnome.
+/// A soft shadow under the gnome.
 fn add_shadow(glb: &mut Glb, root: usize) -> Result<(), ImageError> {
     let spot = |uv: DVec2| Rgba {
         color: DVec3::new(0.03, 0.03, 0.02),
@@ -162,7 +162,7 @@ fn joint_tracks(joints: &[usize], frames: u32) -> Vec<Track> {
     tracks
 }
 
-/// Where the gnome is at a moment of the stroll, and where the camera stands and looks.
+/// Position of the gnome at a time of the stroll, and position and direction of the camera.
 fn stroll(seconds: f64) -> (DVec3, DVec3, DVec3) {
     let gnome = HEADING * STRIDE * (seconds - 1.0);
     let t = smoothstep(0.0, 2.0, seconds);
@@ -183,10 +183,10 @@ fn stroll_tracks(root: usize, camera: usize) -> Vec<Track> {
     ]
 }
 
-/// The file.
+/// The glTF binary file.
 ///
 /// # Errors
-/// Where a texture cannot be encoded.
+/// If a texture cannot be encoded.
 pub(crate) fn scene() -> Result<Vec<u8>, ImageError> {
     let mut glb = Glb::default();
     let facing = DQuat::from_rotation_y(50_f64.to_radians());

@@ -1,16 +1,16 @@
-//! What figures are drawn with: round limbs that melt into each other, ellipses, curves.
+//! Primitives of the figures: rounded limbs that blend into each other, ellipses, curves.
 //!
 //! In: a few points and radii. Out: distance fields (negative inside) and closed outlines.
 
 use glam::DVec2;
 
-/// A limb: a capsule whose radius goes from `radii[0]` to `radii[1]`.
+/// A limb: a capsule whose radius changes from `radii[0]` to `radii[1]`.
 #[derive(Clone, Copy)]
 pub(crate) struct Limb {
     from: DVec2,
     to: DVec2,
     radii: [f64; 2],
-    /// How far it melts into what was drawn before.
+    /// Distance over which it blends with the limbs before it.
     reach: f64,
 }
 
@@ -42,12 +42,12 @@ pub(crate) fn both(limb: Limb) -> [Limb; 2] {
     [limb, Limb { from: flip(limb.from), to: flip(limb.to), ..limb }]
 }
 
-/// Limbs one after the other through `points`, with a radius at each.
+/// Consecutive limbs through `points`, with a radius at each.
 pub(crate) fn chain(points: &[(DVec2, f64)]) -> Vec<Limb> {
     points.windows(2).map(|ends| Limb::new(ends[0].0, ends[1].0, [ends[0].1, ends[1].1])).collect()
 }
 
-/// Distance to limbs that melt together (I. Quílez's quadratic smooth minimum).
+/// Distance to blended limbs (I. Quílez's quadratic smooth minimum).
 pub(crate) fn melted(limbs: &[Limb], at: DVec2) -> f64 {
     limbs.iter().fold(1e3, |distance, limb| {
         let other = limb.field(at);
@@ -61,13 +61,13 @@ pub(crate) fn ellipse(at: DVec2, center: DVec2, radii: DVec2) -> f64 {
     (((at - center) / radii).length() - 1.0) * radii.min_element()
 }
 
-/// A closed curve, as a dense polygon, counter-clockwise.
+/// A closed curve as a dense polygon, counter-clockwise.
 pub(crate) struct Outline(pub(crate) Vec<DVec2>);
 
 impl Outline {
     const FINE: usize = 240;
 
-    /// An ellipse, turned by `tilt` degrees.
+    /// An ellipse, rotated by `tilt` degrees.
     pub(crate) fn ellipse(center: DVec2, radii: DVec2, tilt: f64) -> Self {
         let turn = DVec2::from_angle(tilt.to_radians());
         let angle = |k: usize| std::f64::consts::TAU * k as f64 / Self::FINE as f64;
@@ -88,7 +88,7 @@ impl Outline {
         Self(below.chain((0..=100).rev().map(|k| side(share(k), 1.0))).collect())
     }
 
-    /// A star of `rays` rays.
+    /// A star with `rays` points.
     pub(crate) fn star(center: DVec2, radius: f64, rays: usize) -> Self {
         let corner = |k: usize| {
             let angle = std::f64::consts::TAU * (0.25 + k as f64 / (2 * rays) as f64);
@@ -97,7 +97,8 @@ impl Outline {
         Self((0..2 * rays).map(corner).collect())
     }
 
-    /// `count` points at equal distances along the curve; a curve of just as many points is taken as it is.
+    /// `count` points at equal distances along the curve. A curve that has exactly `count` points is returned
+    /// unchanged.
     pub(crate) fn points(&self, count: usize) -> Vec<DVec2> {
         let curve = &self.0;
         if curve.len() == count {

@@ -1,6 +1,7 @@
-//! Triangles of a figure: the body on a triangular lattice inside its border, details between their border points.
+//! The mesh of a figure: the body on a triangular lattice inside its border, details triangulated between their border
+//! points.
 //!
-//! In: a figure. Out: vertices, exactly as many as asked for, and triangles by part. Triangulation: crate spade
+//! In: a figure. Out: exactly the requested number of vertices, and triangles by part. Triangulation: crate spade
 //! (constrained Delaunay).
 
 use super::draw::Outline;
@@ -14,7 +15,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 pub(crate) struct Mesh {
     pub(crate) vertices: Vec<DVec2>,
     pub(crate) parts: Vec<MeshPart>,
-    /// Vertices of the body come first; so many.
+    /// Number of vertices of the body, which come first.
     pub(crate) body_vertices: usize,
 }
 
@@ -25,7 +26,7 @@ pub(crate) struct MeshPart {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Meshes a figure. Coordinates are rounded as they will be stored, before anything is computed from them.
+/// Meshes a figure. Coordinates are rounded as in the file before anything is computed from them.
 pub(crate) fn mesh(figure: &Figure) -> Mesh {
     let taken: usize = figure.details.iter().map(|detail| detail.border).sum();
     let mut mesh = Mesh { body_vertices: figure.vertices - taken, ..Mesh::default() };
@@ -44,12 +45,13 @@ pub(crate) fn mesh(figure: &Figure) -> Mesh {
     mesh
 }
 
-/// Four decimals.
+/// Rounds to four decimals.
 pub(crate) fn rounded(at: DVec2) -> DVec2 {
     (at * 1e4).round() / 1e4
 }
 
-/// Border points (so many) and points inside, `count` together, about evenly spaced.
+/// Points of the border and of the interior, `count` in total, approximately evenly spaced; and the number of border
+/// points.
 fn body_points(body: &Body, count: usize) -> (Vec<DVec2>, usize) {
     let curve = Outline(contour(&body.field, 0.0, body.start, 4000));
     let ends = curve.0.iter().skip(1).chain(&curve.0[..1]);
@@ -67,7 +69,7 @@ fn body_points(body: &Body, count: usize) -> (Vec<DVec2>, usize) {
     (points, border)
 }
 
-/// Points of a triangular lattice well inside the border, drawn onto borders of regions that pass near.
+/// Points of a triangular lattice well inside the border. Those close to the border of a region are moved onto it.
 fn fill(body: &Body, curve: &[DVec2], spacing: f64) -> Vec<DVec2> {
     let (low, high) = curve.iter().fold((curve[0], curve[0]), |(low, high), at| (low.min(*at), high.max(*at)));
     let rows = ((high.y - low.y) / (0.866 * spacing)) as usize + 2;
@@ -87,7 +89,7 @@ fn fill(body: &Body, curve: &[DVec2], spacing: f64) -> Vec<DVec2> {
     points
 }
 
-/// A point less than 0.4 spacings from the border of a region moves onto it.
+/// Moves a point less than 0.4 spacings from the border of a region onto it.
 fn drawn_to_region(body: &Body, at: DVec2, spacing: f64) -> DVec2 {
     for region in &body.regions {
         let slope = gradient(&region.field, at);
@@ -100,7 +102,8 @@ fn drawn_to_region(body: &Body, at: DVec2, spacing: f64) -> DVec2 {
     at
 }
 
-/// Counter-clockwise triangles inside the polygon of the first `border` points, in an order of their own.
+/// Counter-clockwise triangles inside the polygon of the first `border` points, sorted so that their order is
+/// deterministic.
 fn triangulate(points: &[DVec2], border: usize) -> Vec<[u32; 3]> {
     let corners = points.iter().map(|at| Point2::new(at.x, at.y)).collect();
     let edges = (0..border).map(|k| [k, (k + 1) % border]).collect();
@@ -124,7 +127,7 @@ fn middle(points: &[DVec2], corners: &[u32; 3]) -> DVec2 {
     corners.iter().map(|corner| points[*corner as usize]).sum::<DVec2>() / 3.0
 }
 
-/// Even-odd rule.
+/// Point-in-polygon test by the even-odd rule.
 fn is_inside(polygon: &[DVec2], at: DVec2) -> bool {
     let crosses = |k: usize| {
         let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);

@@ -1,6 +1,7 @@
-//! Six flat, layered characters with the vertex counts of the paper's table, and poses for them.
+//! Six flat, layered characters with the vertex counts of the paper's table, and their poses.
 //!
-//! Out: problem files of `scenes/figures/`: one connected body each, with face and buttons as isolated parts in front.
+//! Out: problem files of `scenes/figures/`. Each has one connected body, with face and buttons as isolated parts in
+//! front.
 
 mod dinosaur;
 pub(crate) mod draw;
@@ -21,23 +22,23 @@ use skeleton::{Joint, Pose};
 pub(crate) struct Figure {
     /// File name and title.
     name: &'static str,
-    /// Vertices of all parts together, as in the paper.
+    /// Number of vertices of all parts, as in the paper.
     vertices: usize,
     body: Body,
-    /// Isolated parts, later ones in front.
+    /// Isolated parts, from back to front.
     details: Vec<Detail>,
     joints: Vec<Joint>,
     poses: Vec<Pose>,
 }
 
-/// The connected body; it takes the vertices that the details leave.
+/// The connected body. It gets the vertices that the details leave.
 struct Body {
     /// Negative inside.
     field: Box<dyn Fn(DVec2) -> f64>,
-    /// Near the border.
+    /// A point near the border.
     start: DVec2,
     color: &'static str,
-    /// Parts of it in colours of their own; the first that holds a triangle's middle takes it.
+    /// Parts with their own colours. A triangle belongs to the first that contains its centroid.
     regions: Vec<Region>,
 }
 
@@ -54,7 +55,7 @@ struct Detail {
     name: &'static str,
     color: &'static str,
     outline: Outline,
-    /// Vertices of its border; there are none inside.
+    /// Number of vertices of its border; the interior has none.
     border: usize,
 }
 
@@ -70,7 +71,7 @@ impl Region {
     }
 }
 
-/// File names below `scenes/` and their text.
+/// Names below `scenes/` and texts of the files.
 pub(crate) fn files() -> Vec<(String, String)> {
     let figures =
         [ginger::figure(), frog::figure(), panda::figure(), unicorn::figure(), girl::figure(), dinosaur::figure()];

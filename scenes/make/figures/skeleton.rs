@@ -1,12 +1,12 @@
 //! Poses: a skeleton bends, and pins follow it.
 //!
-//! In: joints and turns. Out: for each pinned joint the nearest vertex of the body and where its bone takes it.
+//! In: joints and rotations. Out: for each pinned joint, the nearest vertex of the body and its position in the pose.
 
 use super::Figure;
 use super::mesh::{Mesh, rounded};
 use glam::DVec2;
 
-/// A joint; the part between it and its parent moves as one.
+/// A joint. The part between it and its parent moves rigidly.
 pub(crate) struct Joint {
     name: &'static str,
     parent: Option<&'static str>,
@@ -18,16 +18,16 @@ impl Joint {
         Self { name, parent: Some(parent), at }
     }
 
-    /// The joint that stays where it is.
+    /// The joint that does not move.
     pub(crate) const fn root(name: &'static str, at: DVec2) -> Self {
         Self { name, parent: None, at }
     }
 }
 
-/// A pose.
+/// A pose of a figure.
 pub(crate) struct Pose {
     pub(crate) name: &'static str,
-    /// Joints and the degrees, counter-clockwise, by which all beyond them turns.
+    /// Joints with the angle in degrees, counter-clockwise, by which everything beyond them is rotated.
     turns: Vec<(&'static str, f64)>,
     /// Joints whose nearest vertex is pinned.
     pins: Vec<&'static str>,
@@ -39,7 +39,7 @@ impl Pose {
     }
 }
 
-/// Where a bone takes a point.
+/// The rigid motion of a bone.
 #[derive(Clone, Copy)]
 struct Bone {
     from: DVec2,
@@ -71,7 +71,7 @@ fn joint<'a>(figure: &'a Figure, name: &str) -> &'a Joint {
     figure.joints.iter().find(|joint| joint.name == name).expect("poses name joints that are there")
 }
 
-/// The bone that hangs on a joint.
+/// The motion of the bone that begins at a joint.
 fn bone(figure: &Figure, pose: &Pose, name: Option<&'static str>) -> Bone {
     let Some(name) = name else { return Bone { from: DVec2::ZERO, to: DVec2::ZERO, turn: DVec2::X } };
     let joint = joint(figure, name);

@@ -1,4 +1,4 @@
-//! Problem files, small and readable: a list a line, eight entries each.
+//! Problem files in a compact, readable layout: lists with one entry per line, or several short ones.
 //!
 //! In: a figure. Out: JSON text.
 
@@ -27,14 +27,14 @@ pub(crate) fn json(figure: &Figure) -> String {
     )
 }
 
-/// The box of the lattice: the model's bounds, as in the paper.
+/// The box of the lattice: the bounding box of the model, as in the paper.
 fn bounds(mesh: &Mesh) -> String {
     let first = mesh.vertices[0];
     let (low, high) = mesh.vertices.iter().fold((first, first), |(low, high), at| (low.min(*at), high.max(*at)));
     format!("[[{}, {}], [{}, {}]]", low.x, low.y, high.x, high.y)
 }
 
-/// Colours of runs of triangles.
+/// Colours of consecutive triangles.
 fn parts(mesh: &Mesh) -> Vec<String> {
     let part = |part: &super::mesh::MeshPart| {
         format!(
@@ -59,7 +59,7 @@ fn poses(figure: &Figure, mesh: &Mesh) -> Vec<String> {
     figure.poses.iter().map(pose).collect()
 }
 
-/// A list with so many entries a line.
+/// A list with this number of entries per line.
 fn rows<T: Display>(entries: &[T], per_line: usize) -> String {
     let line = |line: &[T]| line.iter().map(T::to_string).collect::<Vec<_>>().join(", ");
     let lines: Vec<String> = entries.chunks(per_line).map(line).collect();

@@ -1,32 +1,32 @@
-//! The links of a shape where it lies in a grid.
+//! Adjacency of the triangles of a shape, with the positions of the links between them.
 //!
-//! In: a shape. Out: its seams, and for every triangle those it begins.
+//! In: a shape. Out: its seams, sorted by their first triangle.
 
 use super::link::LinkKind;
 use super::rest_links::surface_links;
 use crate::solve::problem::Shape;
 use std::borrow::Cow;
 
-/// A link between two triangles, where it lies.
+/// A link between two triangles, with its position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seam<const D: usize> {
-    /// The triangle with the smaller index, and the other.
+    /// The indices of the two triangles, the smaller one first.
     pub(super) triangles: [usize; 2],
-    /// Its ends.
+    /// Positions of the ends of the link.
     pub(super) ends: [[f64; D]; 2],
     pub(super) kind: LinkKind,
 }
 
-/// All seams of a shape, by their first triangle.
+/// All seams of a shape, sorted by their first triangle.
 #[derive(Clone, Debug)]
 pub(super) struct Adjacency<const D: usize> {
     seams: Vec<Seam<D>>,
-    /// Where the seams of each triangle end, #triangles.
+    /// End of each triangle's range in `seams`, #triangles.
     ends: Vec<usize>,
 }
 
 impl<const D: usize> Adjacency<D> {
-    /// The shape's links; where it has none, those of its surface as it lies.
+    /// The seams of the shape's links; if it has none, those of its surface in its present position.
     pub(super) fn of(shape: &Shape<D>) -> Self {
         let links = match &shape.links {
             Some(links) => Cow::Borrowed(links.as_slice()),
@@ -43,7 +43,7 @@ impl<const D: usize> Adjacency<D> {
         Self { ends: ends.collect(), seams }
     }
 
-    /// The seams of a triangle with those of larger index.
+    /// The seams between a triangle and those with a larger index.
     pub(super) fn from(&self, triangle: usize) -> &[Seam<D>] {
         let start = if triangle == 0 { 0 } else { self.ends[triangle - 1] };
         &self.seams[start..self.ends[triangle]]

@@ -1,23 +1,23 @@
-//! What is nearest along the shape.
+//! Nearest points along the shape.
 //!
-//! In: a [`BranchedLattice`], points of its shape. Out: the nearest of them for every piece (E. W. Dijkstra, 1959, from all points at
-//! once, over pieces that hang together).
+//! In: a [`BranchedLattice`], points of its shape. Out: for every piece the nearest of these points (E. W. Dijkstra, 1959, with
+//! all points as sources, over connected pieces).
 
 use super::BranchedLattice;
 use crate::solve::linalg::small_matrix::distance;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Pieces side by side hang together where their common copies are one for at least this share.
+/// Adjacent pieces are connected if the copies that they share count as one to at least this degree.
 const TOGETHER: f64 = 0.5;
 
 impl<const D: usize> BranchedLattice<D> {
-    /// The index of the point that is nearest to each piece along the shape at rest, in the order of [`Self::pieces`]; of those that hang
-    /// together with none, the nearest in space. A point may be known to lie on a triangle of the shape; points beside it count for the
-    /// nearest place of it.
+    /// The index of the point that is nearest to each piece along the shape at rest, in the order of [`Self::pieces`]. A piece
+    /// that is not connected with any of the points gets the nearest in space. A point may name the triangle of the shape on
+    /// which it lies; a point beside the shape is replaced by the nearest point of the shape.
     ///
     /// # Panics
-    /// Where there are no points.
+    /// If there are no points.
     #[must_use]
     pub fn nearest_along_shape(&self, points: &[([f64; D], Option<u32>)]) -> Vec<usize> {
         assert!(!points.is_empty(), "one of the points is the nearest");
@@ -32,7 +32,7 @@ impl<const D: usize> BranchedLattice<D> {
         let middles: Vec<[f64; D]> = sums.into_iter().map(|(sum, area)| sum.map(|x| x / area)).collect();
         let mut nearest = vec![(f64::INFINITY, usize::MAX); middles.len()];
         let mut waiting = BinaryHeap::new();
-        // Distances are not negative: their bits are in their order.
+        // The bit patterns of non-negative numbers have the order of the numbers.
         let entry = |length: f64, point: usize, piece: usize| Reverse((length.to_bits(), point, piece));
         let held: Vec<([f64; D], usize)> =
             points.iter().map(|&(at, triangle)| branching.held_point(at, triangle)).collect();

@@ -1,6 +1,7 @@
-//! What lies around a pin along the shape: of parts that are near it in space, those that hang together with the part that it holds.
+//! Neighbourhood of a pin along the shape: the nearby parts that are connected with the part which the pin holds.
 //!
-//! In: a [`Branching`], a pin. Out: how near each piece is along the shape, and what the pin's neighbourhoods act on.
+//! In: a [`Branching`], a pin. Out: the connectedness of each piece with the pin's own, and the rows and gradients of the pin's
+//! neighbourhoods.
 
 use super::{Branching, handles_of_cell};
 use crate::lattice::Support;
@@ -15,10 +16,11 @@ use std::collections::BTreeMap;
 #[derive(Debug)]
 pub(super) struct AroundPin<'a, const D: usize> {
     branching: &'a Branching<D>,
-    /// The pin, on the shape.
+    /// The pin, moved to the nearest point of the shape.
     pin: PointPin<D>,
     piece: usize,
-    /// How near each piece within the pin's region is, #pieces; empty where it has none.
+    /// Connectedness of each piece with the pin's own over pieces inside the pin's region, 0 to 1, #pieces; empty if the pin has
+    /// no region.
     in_region: Vec<f64>,
 }
 
@@ -35,7 +37,8 @@ impl<'a, const D: usize> AroundPin<'a, D> {
         Self { branching, pin, piece, in_region }
     }
 
-    /// The multiplier of the stiffness at a point of a branch: that of the pin's region, as far as the point hangs together with it.
+    /// The factor by which the pin's region changes the stiffness at a point of a branch, to the degree to which the point is
+    /// connected with the pin.
     pub(super) fn stiffness_at(&self, branch: usize, point: [f64; D]) -> f64 {
         if self.pin.region.is_none_or(|region| region.stiffness == 1.0) {
             return 1.0;
@@ -52,8 +55,8 @@ impl<const D: usize> Neighbourhood<D> for AroundPin<'_, D> {
         &self.pin
     }
 
-    /// Of each row those over copies that act on a common piece. They count as far as the way from the pin leads over pieces that hang
-    /// together, so that no row joins what is apart.
+    /// Replaces each row by rows over copies that act on a common piece, weighted by connectedness with the pin's own piece, so
+    /// that no row couples separate parts.
     fn rows(&self, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
         let branching = self.branching;
         let Support::Tensor { width } = branching.grid.basis.support() else { return LeastSquaresRows::new() };
@@ -84,7 +87,7 @@ impl<const D: usize> Neighbourhood<D> for AroundPin<'_, D> {
         around
     }
 
-    /// The mean over the pieces that hang together with the pin's own, by how near they are and how much they hold.
+    /// The mean gradient over the pieces connected with the pin's own, weighted by connectedness and area.
     fn mean_gradient(&self, points: &[([f64; D], f64)]) -> Vec<(usize, [f64; D])> {
         let branching = self.branching;
         let mut mean = BTreeMap::new();
@@ -108,7 +111,7 @@ impl<const D: usize> Neighbourhood<D> for AroundPin<'_, D> {
 }
 
 impl<const D: usize> AroundPin<'_, D> {
-    /// How far a piece counts in the region, 0 to 1.
+    /// Weight of a piece in the mean over the region, 0 to 1.
     fn share(&self, piece: usize) -> f64 {
         if piece == self.piece {
             return 1.0;
@@ -117,7 +120,7 @@ impl<const D: usize> AroundPin<'_, D> {
     }
 }
 
-/// Adds a multiple of the gradients of the weights at a point of a branch.
+/// Adds the gradients of the weights at a point of a branch, times a factor.
 fn add_gradient<const D: usize>(
     branching: &Branching<D>,
     (branch, point): (usize, [f64; D]),
@@ -133,8 +136,9 @@ fn add_gradient<const D: usize>(
 }
 
 impl<const D: usize> Branching<D> {
-    /// How near each piece is to one along the shape, #pieces: the best way over pieces that `leads_on` counts by its worst step, where two
-    /// pieces side by side hang together by their common copies, 0 to 1.
+    /// Connectedness of each piece with the given one, 0 to 1, #pieces: the value of the widest path, whose width is the smallest
+    /// [`Self::oneness`] of the copies shared by two consecutive pieces. Paths continue only through pieces for which `leads_on`
+    /// is true.
     fn nearness(&self, piece: usize, leads_on: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut nearness = vec![0.0; self.pieces.list.len()];
         let mut waiting = vec![(piece, 1.0_f64)];
@@ -151,7 +155,7 @@ impl<const D: usize> Branching<D> {
         nearness
     }
 
-    /// The number of the cell that holds a point; beyond the grid the nearest.
+    /// The index of the cell that contains a point; outside the grid, of the nearest cell.
     fn cell_at(&self, point: [f64; D]) -> usize {
         (0..D).rev().fold(0, |cell, axis| {
             let spans = self.grid.basis.spans(self.grid.dims[axis]);

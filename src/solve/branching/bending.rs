@@ -1,14 +1,15 @@
-//! How strongly a branching lattice bends.
+//! Measures of how strongly a branching lattice bends.
 //!
-//! In: a [`BranchedLattice`]. Out: upper estimates of its second derivative in each cell, and of its strain at the border of the box.
+//! In: a [`BranchedLattice`]. Out: an upper estimate of its second derivative in each cell, and its strain in the cells at the
+//! border of the box.
 
 use super::BranchedLattice;
 use crate::lattice::Grid;
 
 impl<const D: usize> BranchedLattice<D> {
-    /// An upper estimate of the second derivative of the warp in each cell, over the branches that hold some of the shape there,
-    /// #cells. Second derivatives of B-splines are averages of second differences of the handles around (C. de Boor, "A Practical
-    /// Guide to Splines", 1978, chapter X).
+    /// An upper estimate of the norm of the warp's second derivative in each cell, over all branches with a part of the shape
+    /// there, #cells. Second derivatives of B-splines are averages of second differences of the surrounding handles (C. de Boor,
+    /// "A Practical Guide to Splines", 1978, chapter X).
     #[must_use]
     pub fn bending(&self) -> Vec<f64> {
         let mut cells = vec![0.0_f64; self.grid().cell_count()];
@@ -21,8 +22,8 @@ impl<const D: usize> BranchedLattice<D> {
         cells
     }
 
-    /// For every handle of a branch the greatest second difference that begins at it, divided by the spans; 0 where the branch has not
-    /// all of its handles.
+    /// For every handle the largest second difference that begins at it, divided by the squared spacing; 0 if the branch lacks a
+    /// handle that it needs.
     fn second_differences(&self, branch: usize) -> Vec<f64> {
         let grid = self.grid();
         let place = |handle: usize| self.copy_place(branch, handle);
@@ -32,7 +33,7 @@ impl<const D: usize> BranchedLattice<D> {
                 let Some(corners) = corners(grid, start, [a, b]) else { continue };
                 let [Some(p), Some(q), Some(r), Some(s)] = corners.map(place) else { continue };
                 let square: f64 = (0..D).map(|d| (p[d] - q[d] - r[d] + s[d]).powi(2)).sum();
-                // A mixed difference counts twice in the norm.
+                // A mixed difference occurs twice in the Frobenius norm.
                 let count = if a == b { 1.0 } else { std::f64::consts::SQRT_2 };
                 *greatest = greatest.max(count * square.sqrt() / (grid.spacing(a) * grid.spacing(b)));
             }
@@ -40,7 +41,7 @@ impl<const D: usize> BranchedLattice<D> {
         greatest
     }
 
-    /// The greatest difference between the gradient and the identity in cells at the border of the box.
+    /// The largest Frobenius norm of gradient minus identity at the centres of the cells along the border of the box.
     #[must_use]
     pub fn greatest_strain_at_border(&self) -> f64 {
         let grid = self.grid();
@@ -64,7 +65,8 @@ impl<const D: usize> BranchedLattice<D> {
     }
 }
 
-/// The four handles of a second difference that begins at a handle, with signs +, -, -, +; `None` where the grid ends before.
+/// The four handles of a second difference that begins at a handle, with signs +, -, -, +; `None` if it would extend beyond the
+/// grid.
 fn corners<const D: usize>(grid: &Grid<D>, start: usize, [a, b]: [usize; 2]) -> Option<[usize; 4]> {
     let place = grid.handle_coords(start);
     let steps = |axis: usize| usize::from(axis == a) + usize::from(axis == b);

@@ -1,6 +1,6 @@
-//! A solved branching lattice: one plain lattice a branch.
+//! A solved branching lattice: one plain lattice per branch.
 //!
-//! In: a [`Branching`] and moved copies. Out: places of points of the shape, lattices to draw with.
+//! In: a [`Branching`] and moved copies. Out: images of points of the shape, lattices to draw with.
 
 use super::continuation::continued;
 use super::{Branching, checked_width, handles_of_cell};
@@ -11,16 +11,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A solved lattice with branches, the largest first.
+/// A solved lattice with branches, in the order of their largest pieces, from the largest one down.
 #[derive(Clone, Debug)]
 pub struct BranchedLattice<const D: usize> {
     pub(super) branching: Arc<Branching<D>>,
-    /// Where the copies are.
+    /// Positions of the copies.
     copies: Vec<[f64; D]>,
 }
 
 impl<const D: usize> PartialEq for BranchedLattice<D> {
-    /// Copies in the same places over the same grid.
+    /// Equal if the copies have the same positions over the same grid.
     fn eq(&self, other: &Self) -> bool {
         self.copies == other.copies
             && self.branching.grid == other.branching.grid
@@ -36,23 +36,24 @@ impl<const D: usize> BranchedLattice<D> {
     /// The lattice at rest over a shape.
     ///
     /// # Errors
-    /// [`SolveError::Invalid`] where the grid's basis, or the shape, does not branch.
+    /// [`SolveError::Invalid`] if the grid's basis or the shape does not support branching lattices.
     pub fn at_rest(grid: &Grid<D>, shape: &Shape<D>) -> Result<Self, SolveError> {
         let branching = Branching::split(grid, shape, checked_width(grid, shape)?);
         let copies = branching.rest();
         Ok(Self { branching: Arc::new(branching), copies })
     }
 
-    /// The same shape moved by other lattices with as many handles, as branches of another shape are laid over it: each copy of a handle
-    /// goes where those lattices have it that hold the copy's piece. `holders` gives the indices of the lattices that hold a point of the
-    /// shape at rest. Where legs cross, several do: the ones that hold most of the piece count, and little beside it.
+    /// Moves this lattice by other lattices with as many handles, for instance those of another shape's branches: each copy of a
+    /// handle takes the position of that handle in the lattice that covers most of the copy's piece. `holders` returns the
+    /// indices of the lattices that cover a point of the shape at rest. Where several do, as where legs cross, the lattice is
+    /// preferred that covers most of the piece and little else.
     ///
     /// # Panics
-    /// Where a holder is no index of a lattice, or a lattice has too few handles.
+    /// If a holder is not the index of a lattice, or a lattice has too few handles.
     #[must_use]
     pub fn moved_by(&self, lattices: &[Lattice<D>], mut holders: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
         let Branching { handles, cuts, pieces, .. } = self.branching.as_ref();
-        // Lattices that have a handle in the same place share a copy of it: the first stands for all.
+        // Lattices with the same position of a handle share a copy of it and are represented by the first of them.
         let first_in_place: Vec<Vec<usize>> = (0..self.branching.grid.handle_count())
             .map(|handle| {
                 let mut firsts = BTreeMap::new();
@@ -60,7 +61,7 @@ impl<const D: usize> BranchedLattice<D> {
                 lattices.iter().enumerate().map(|(k, lattice)| *firsts.entry(place(lattice)).or_insert(k)).collect()
             })
             .collect();
-        // Areas that a lattice holds: of the piece of a copy, and of all pieces that a handle acts on.
+        // Area that a lattice covers of the piece of each copy, and of all pieces on which each handle acts.
         let mut of_copies = vec![BTreeMap::new(); handles.len()];
         let mut of_handles = vec![BTreeMap::new(); self.branching.grid.handle_count()];
         for (cut, &piece) in cuts.iter().zip(&pieces.of_cuts) {
@@ -76,7 +77,7 @@ impl<const D: usize> BranchedLattice<D> {
         }
         let place = |(areas, &handle): (&BTreeMap<usize, f64>, &usize)| {
             let likeness = |(holder, area): (&usize, &f64)| area * area / of_handles[handle][holder];
-            // Of equal ones the first.
+            // The first of equal ones.
             let best = areas.iter().rev().max_by(|a, b| likeness(*a).total_cmp(&likeness(*b)));
             lattices[best.map_or(0, |(holder, _)| *holder)].handles[handle]
         };
@@ -84,10 +85,10 @@ impl<const D: usize> BranchedLattice<D> {
         Self { branching: Arc::clone(&self.branching), copies }
     }
 
-    /// Linear interpolation over the same pieces: this lattice at 0, the other at 1.
+    /// Linear interpolation between lattices over the same pieces: 0 gives this lattice, 1 the other.
     ///
     /// # Panics
-    /// Where the other has fewer copies.
+    /// If the other lattice has fewer copies.
     #[must_use]
     pub fn mixed(&self, other: &Self, share: f64) -> Self {
         let mix = |k: usize| std::array::from_fn(|d| self.copies[k][d] * (1.0 - share) + other.copies[k][d] * share);
@@ -106,35 +107,35 @@ impl<const D: usize> BranchedLattice<D> {
         &self.branching.grid
     }
 
-    /// The same shape at rest under the same grid: the same parts belong to the same branches.
+    /// Whether both have the same grid and the same shape at rest, and therefore the same branches.
     #[must_use]
     pub fn has_same_pieces(&self, other: &Self) -> bool {
         self.is_of(&other.branching)
     }
 
-    /// The shape at rest as convex polygons, each in one cell of the grid, with the branch of each.
+    /// The shape at rest as convex polygons, each inside one cell of the grid, with the branch of each.
     pub fn pieces(&self) -> impl Iterator<Item = (usize, &[[f64; D]])> {
         let Branching { cuts, pieces, branch_of, .. } = self.branching.as_ref();
         cuts.iter().zip(&pieces.of_cuts).map(move |(cut, &piece)| (branch_of[piece], cut.polygon.corners()))
     }
 
-    /// The same, each with the index of the triangle that it is a part of.
+    /// Same as [`Self::pieces`], with the index of the triangle that each polygon is a part of before its branch.
     pub fn pieces_of_triangles(&self) -> impl Iterator<Item = (usize, usize, &[[f64; D]])> {
         let triangles = self.branching.cuts.iter().map(|cut| cut.triangle);
         triangles.zip(self.pieces()).map(|(triangle, (branch, corners))| (triangle, branch, corners))
     }
 
-    /// The branch of a triangle of the shape at a point of it.
+    /// The branch of a point on a triangle of the shape.
     ///
     /// # Panics
-    /// Where the shape has no such triangle.
+    /// If the shape has no such triangle.
     #[must_use]
     pub fn branch_at(&self, triangle: usize, point: [f64; D]) -> usize {
         assert!(triangle < self.branching.triangles.len(), "the shape has no triangle {triangle}");
         self.branching.branch_of(self.branching.piece_at(triangle..triangle + 1, &point))
     }
 
-    /// The lattice of a branch. Handles that do not act on the branch stay at rest.
+    /// The lattice of a branch. Handles that do not act on the branch are at rest.
     #[must_use]
     pub fn lattice(&self, branch: usize) -> Lattice<D> {
         let Branching { grid, branches, .. } = self.branching.as_ref();
@@ -144,30 +145,30 @@ impl<const D: usize> BranchedLattice<D> {
         Lattice { grid: grid.clone(), handles: handles.collect() }
     }
 
-    /// The lattice of a branch; handles that do not act on it continue it smoothly (least second differences).
+    /// The lattice of a branch. Handles that do not act on the branch are extrapolated with least second differences.
     #[must_use]
     pub fn extended_lattice(&self, branch: usize) -> Lattice<D> {
         continued(&self.branching.grid, &self.handles_of(branch))
     }
 
-    /// The handles that act on a branch, #handles; `None`: one that does not.
+    /// Positions of the handles that act on a branch, #handles; `None` for the others.
     #[must_use]
     pub fn handles_of(&self, branch: usize) -> Vec<Option<[f64; D]>> {
         self.branching.branches[branch].iter().map(|copy| copy.map(|copy| self.copies[copy])).collect()
     }
 
-    /// Where all copies are, by handle.
+    /// Positions of all copies, in the order of their handles.
     pub(crate) fn copies(&self) -> &[[f64; D]] {
         &self.copies
     }
 
-    /// It has the copies of a branching.
+    /// Whether this lattice has the same copies as a branching.
     pub(crate) fn is_of(&self, branching: &Arc<Branching<D>>) -> bool {
         let own = &self.branching;
         Arc::ptr_eq(own, branching) || own.grid == branching.grid && own.triangles == branching.triangles
     }
 
-    /// Where the copies of a handle are; none where it acts on no part of the shape.
+    /// Positions of the copies of a handle; empty if the handle acts on no part of the shape.
     #[must_use]
     pub fn copies_of(&self, handle: usize) -> &[[f64; D]] {
         let handles = &self.branching.handles;
@@ -175,14 +176,14 @@ impl<const D: usize> BranchedLattice<D> {
         &self.copies[first..handles.partition_point(|&own| own <= handle)]
     }
 
-    /// The cells that hold some of a branch, by column and row.
+    /// The cells that contain a part of a branch, as column and row.
     #[must_use]
     pub fn cells(&self, branch: usize) -> Vec<[usize; D]> {
         self.cells_of(branch).map(|(cell, _)| self.branching.grid.cell_coords(cell)).collect()
     }
 
-    /// The part of the shape at rest that belongs to each branch, as convex polygons: triangles, and pieces of those that belong to
-    /// several.
+    /// The part of the shape at rest that belongs to each branch, as convex polygons: whole triangles, and parts of those that
+    /// belong to several branches.
     #[must_use]
     pub fn regions(&self) -> Vec<Vec<Vec<[f64; D]>>> {
         let mut regions = vec![Vec::new(); self.branch_count()];
@@ -198,32 +199,33 @@ impl<const D: usize> BranchedLattice<D> {
         regions
     }
 
-    /// Where a point goes that lies on a triangle of the shape.
+    /// The image of a point on a triangle of the shape.
     #[must_use]
     pub fn evaluate(&self, triangle: usize, point: [f64; D]) -> [f64; D] {
         self.evaluate_in(self.branch_at(triangle, point), point)
     }
 
-    /// The branch at a point that lies on one of a run of triangles of the shape.
+    /// The branch of a point on one of a range of triangles of the shape.
     ///
     /// # Panics
-    /// Where the run is empty, or the shape does not have all of it.
+    /// If the range is empty, or extends beyond the triangles of the shape.
     #[must_use]
     pub fn branch_within(&self, triangles: Range<usize>, point: [f64; D]) -> usize {
         assert!(triangles.start < triangles.end && triangles.end <= self.branching.triangles.len(), "{triangles:?}");
         self.branching.branch_of(self.branching.piece_at(triangles, &point))
     }
 
-    /// Where a point goes that lies on one of a run of triangles of the shape; points outside the box go with the nearest box point.
+    /// The image of a point on one of a range of triangles of the shape. A point outside the box has the displacement of the
+    /// nearest box point.
     ///
     /// # Panics
-    /// As [`Self::branch_within`].
+    /// Same as [`Self::branch_within`].
     #[must_use]
     pub fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
         self.evaluate_in(self.branch_within(triangles, point), point)
     }
 
-    /// The same lattice with every copy a share of its way from rest: 0 is the lattice at rest.
+    /// Scales the displacement of every copy; a share of 0 gives the lattice at rest.
     #[must_use]
     pub fn faded(&self, share: f64) -> Self {
         let rest = self.branching.rest();
@@ -235,7 +237,7 @@ impl<const D: usize> BranchedLattice<D> {
         Self { branching: Arc::clone(&self.branching), copies: faded.collect() }
     }
 
-    /// Where a pin's point goes.
+    /// The image of a pin's point.
     #[must_use]
     pub fn pin_image(&self, pin: &PointPin<D>) -> [f64; D] {
         let (held, piece) = self.branching.held(pin);
@@ -243,19 +245,19 @@ impl<const D: usize> BranchedLattice<D> {
         std::array::from_fn(|d| image[d] + pin.at[d] - held.at[d])
     }
 
-    /// The cells that hold some of a branch, with the handles that act there.
+    /// The cells that contain a part of a branch, with the handles that act there.
     pub(super) fn cells_of(&self, branch: usize) -> impl Iterator<Item = (usize, Vec<usize>)> {
         let Branching { grid, pieces, branch_of, width, .. } = self.branching.as_ref();
         let own = pieces.list.iter().zip(branch_of).filter(move |(_, of)| **of == branch);
         own.map(|(piece, _)| (piece.cell, handles_of_cell(grid, *width, piece.cell)))
     }
 
-    /// Where a branch's copy of a handle is; `None`: the branch has none.
+    /// Position of a branch's copy of a handle; `None` if the branch has none.
     pub(super) fn copy_place(&self, branch: usize, handle: usize) -> Option<[f64; D]> {
         self.branching.branches[branch][handle].map(|copy| self.copies[copy])
     }
 
-    /// Where a point of a branch goes.
+    /// The image of a point of a branch.
     pub(crate) fn evaluate_in(&self, branch: usize, point: [f64; D]) -> [f64; D] {
         let copies = &self.branching.branches[branch];
         let inside = self.branching.grid.clamp_to_box(point);
@@ -268,7 +270,7 @@ impl<const D: usize> BranchedLattice<D> {
         image
     }
 
-    /// The folds of all branches, in the cells that hold some of them.
+    /// The folds of all branches, each counted in the cells that contain a part of it.
     #[must_use]
     pub fn folds(&self) -> Folds<D> {
         let Branching { grid, pieces, branch_of, .. } = self.branching.as_ref();

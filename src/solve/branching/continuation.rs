@@ -1,6 +1,7 @@
-//! Handles that nothing determines, beside those that are known.
+//! Extrapolation of handles that no other condition determines.
 //!
-//! In: a grid, places of some of its handles. Out: a lattice with these, continued by least second differences.
+//! In: a grid, the positions of some of its handles. Out: a lattice with these, in which the others minimise the second
+//! differences.
 
 use crate::lattice::{Grid, Lattice};
 use crate::solve::cancel::Cancel;
@@ -9,10 +10,10 @@ use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::second_differences::bend;
 use crate::solve::settings::Scaling;
 
-/// Weight of known handles beside second differences, where unknown ones are extrapolated.
+/// Weight of known handles relative to that of second differences in the system for the unknown ones.
 const KNOWN: f64 = 1e6;
 
-/// The lattice with the handles that are known; the others continue it smoothly (least second differences). `known`: #handles.
+/// A lattice with the known handles, in which the others minimise the sum of squared second differences. `known`: #handles.
 #[must_use]
 pub fn continued<const D: usize>(grid: &Grid<D>, known: &[Option<[f64; D]>]) -> Lattice<D> {
     let mut lattice = grid.at_rest();

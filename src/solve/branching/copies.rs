@@ -1,7 +1,7 @@
-//! The copies of handles: one for each connected piece of the shape in a handle's support.
+//! The copies of handles: one for each connected component of the shape in a handle's support.
 //!
-//! In: the cuts and seams of a shape. Out: for every cut the copies that act on it, and how near copies of one handle are to each
-//! other.
+//! In: the cuts and seams of a shape. Out: for every cut the copies that act on it, and ties, which tell how close copies of one
+//! handle are to each other.
 
 use super::adjacency::Adjacency;
 use super::cuts::Cut;
@@ -10,12 +10,12 @@ use super::support_box::{SupportBox, cells_between};
 use crate::lattice::Grid;
 use std::collections::BTreeMap;
 
-/// Two copies of one handle whose pieces meet where its support grows: the least growth at which some way joins them.
+/// Two copies of one handle whose pieces become connected when the support of the handle grows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tie {
     /// The copies.
     pub(super) copies: [usize; 2],
-    /// By how many spans it has to grow, 0 to 1.
+    /// Smallest growth of the support at which the pieces are connected, in spans, 0 to 1.
     pub(super) growth: f64,
 }
 
@@ -26,13 +26,13 @@ pub(super) struct Copies {
     pub(super) handles: Vec<usize>,
     /// The first triangle in the piece of each copy.
     pub(super) first_triangles: Vec<usize>,
-    /// Copies that act on a cut, in the order of the cell's handles: #cuts times #handles of a cell.
+    /// The copies that act on each cut, in the order of the cell's handles: #cuts times #handles of a cell.
     pub(super) of_cuts: Vec<usize>,
-    /// Copies of one handle that are near each other, in the order of the copies.
+    /// Ties between copies of one handle, sorted by copies.
     pub(super) ties: Vec<Tie>,
 }
 
-/// Handles that act on a cell of a tensor basis, ascending: `width` on each axis.
+/// The handles of a tensor basis that act on a cell, ascending; `width` per axis.
 pub(super) fn handles_of_cell<const D: usize>(grid: &Grid<D>, width: usize, cell: usize) -> Vec<usize> {
     let first = grid.cell_coords(cell);
     let mut handles = vec![0];
@@ -43,7 +43,7 @@ pub(super) fn handles_of_cell<const D: usize>(grid: &Grid<D>, width: usize, cell
     handles
 }
 
-/// Finds all copies; `width`: handles that have a weight at a coordinate.
+/// Finds all copies. `width` is the number of handles with a non-zero weight at a coordinate.
 pub(super) fn copies<const D: usize>(
     grid: &Grid<D>,
     width: usize,
@@ -78,13 +78,13 @@ fn cuts_by_cell<const D: usize>(count: usize, cuts: &[Cut<D>]) -> Vec<Vec<usize>
     of_cell
 }
 
-/// What finds the pieces in a support.
+/// Finds the connected components of the shape in a support.
 struct Finder<'a, const D: usize> {
     grid: &'a Grid<D>,
     adjacency: &'a Adjacency<D>,
     cuts: &'a [Cut<D>],
     cuts_of_cell: Vec<Vec<usize>>,
-    /// Place in the list of triangles at hand, #triangles; `usize::MAX`: not in it.
+    /// Position of each triangle in the list being processed, #triangles; `usize::MAX` if it is not in the list.
     place_of: Vec<usize>,
 }
 
@@ -125,8 +125,9 @@ impl<const D: usize> Finder<'_, D> {
         }
     }
 
-    /// Ties of all pairs of copies of a handle, by the growth at which their pieces meet (Kruskal's spanning tree has the ways that need
-    /// the least growth). A tree's own edges alone would change from frame to frame where two growths are equal.
+    /// Ties between all pairs of copies of a handle, with the growth at which their pieces become connected (Kruskal's algorithm:
+    /// the spanning tree contains the paths that need the least growth). The edges of the tree alone would change from frame to
+    /// frame where two growths are equal.
     fn ties(&mut self, support: &SupportBox<D>, inside: &[(usize, usize)]) -> Vec<Tie> {
         let cells = cells_between(self.grid, support.grown(self.grid));
         let triangles = self.triangles_in(&cells);
@@ -157,7 +158,8 @@ impl<const D: usize> Finder<'_, D> {
         ties
     }
 
-    /// Triangles that some cells hold, ascending; their places are kept until [`Self::forget`].
+    /// The triangles with a part in the given cells, ascending. Their positions stay in `place_of` until [`Self::forget`] is
+    /// called.
     fn triangles_in(&mut self, cells: &[usize]) -> Vec<usize> {
         let mut triangles = Vec::new();
         for &cut in cells.iter().flat_map(|&cell| &self.cuts_of_cell[cell]) {
@@ -176,7 +178,7 @@ impl<const D: usize> Finder<'_, D> {
         triangles.iter().for_each(|&triangle| self.place_of[triangle] = usize::MAX);
     }
 
-    /// Seams between triangles at hand, with the growth at which the support meets them.
+    /// The seams between the given triangles as pairs of positions, each with the growth at which the support reaches it.
     fn seams_among(&self, triangles: &[usize], support: &SupportBox<D>) -> Vec<(f64, [usize; 2])> {
         let seams = triangles.iter().flat_map(|&triangle| self.adjacency.from(triangle));
         let among = seams.filter_map(|seam| {
@@ -187,7 +189,7 @@ impl<const D: usize> Finder<'_, D> {
     }
 }
 
-/// Place of a handle among those of a cell.
+/// Position of a handle among those of a cell.
 fn slot_in_cell<const D: usize>(grid: &Grid<D>, width: usize, cell: usize, handle: usize) -> usize {
     let (first, place) = (grid.cell_coords(cell), grid.handle_coords(handle));
     (0..D).rev().fold(0, |slot, axis| slot * width + place[axis] - first[axis])

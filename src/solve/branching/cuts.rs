@@ -1,38 +1,38 @@
-//! The parts of triangles that lie in the cells of a grid.
+//! The parts of triangles in the cells of a grid.
 //!
-//! In: a shape and a grid. Out: one [`Cut`] for each triangle and cell that meet. Parts outside the box count for the nearest
-//! cell, whose displacement they have.
+//! In: a shape and a grid. Out: one [`Cut`] per intersecting pair of triangle and cell. Parts outside the box belong to the
+//! nearest cell, because they move with it.
 
 use crate::lattice::Grid;
 use crate::solve::linalg::small_matrix::{area_of, minus};
 use crate::solve::problem::Shape;
 use crate::solve::samples::Polygon;
 
-/// Parts below this share of a cell touch it, but hold nothing; those of a triangle that is as small itself count.
+/// Parts with a smaller area, as a fraction of a cell, are ignored, unless the whole triangle is that small.
 const LEAST: f64 = 1e-9;
 
-/// What a cell holds of a triangle.
+/// The part of a triangle that lies in a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut<const D: usize> {
     /// Index of the triangle.
     pub(super) triangle: usize,
-    /// Number of the cell, x fastest.
+    /// Index of the cell, x fastest.
     pub(super) cell: usize,
-    /// Its area.
+    /// Area of the part.
     pub(super) area: f64,
     /// The part itself.
     pub(super) polygon: Polygon<D>,
 }
 
 impl<const D: usize> Cut<D> {
-    /// The mean of its corners.
+    /// The mean of the corners.
     pub(super) fn middle(&self) -> [f64; D] {
         let corners = self.polygon.corners();
         std::array::from_fn(|d| corners.iter().map(|corner| corner[d]).sum::<f64>() / corners.len() as f64)
     }
 }
 
-/// All cuts, triangle by triangle.
+/// All cuts, in the order of the triangles.
 pub(super) fn cuts<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Cut<D>> {
     let side = (0..D).map(|axis| grid.spacing(axis)).fold(f64::INFINITY, f64::min);
     let least = LEAST * side * side;
@@ -52,7 +52,7 @@ pub(super) fn cuts<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Cut<
     cuts
 }
 
-/// Cuts a polygon into the slabs of each axis in turn; `cell`: what the axes before contribute to the cell's number.
+/// Cuts a polygon into the slabs of each axis in turn. `cell` is the contribution of the previous axes to the index of the cell.
 fn slice<const D: usize>(
     grid: &Grid<D>,
     polygon: &mut Polygon<D>,

@@ -1,19 +1,19 @@
-//! Disjoint sets (R. Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975).
+//! Disjoint sets, the union-find structure (R. Tarjan, "Efficiency of a Good But Not Linear Set Union Algorithm", 1975).
 //!
-//! In: pairs that belong together. Out: the smallest member of any set.
+//! In: pairs to unite. Out: the smallest member of any set.
 
-/// Sets of the numbers below a count.
+/// A partition of the numbers below a count.
 pub(super) struct DisjointSets {
     parents: Vec<usize>,
 }
 
 impl DisjointSets {
-    /// Every number alone.
+    /// Creates one set per number.
     pub(super) fn of(count: usize) -> Self {
         Self { parents: (0..count).collect() }
     }
 
-    /// The smallest number of a set.
+    /// The smallest member of the set that contains a number.
     pub(super) fn root(&mut self, mut number: usize) -> usize {
         while self.parents[number] != number {
             self.parents[number] = self.parents[self.parents[number]];
@@ -22,7 +22,7 @@ impl DisjointSets {
         number
     }
 
-    /// Makes one set of two.
+    /// Unites the sets of two numbers.
     pub(super) fn join(&mut self, [a, b]: [usize; 2]) {
         let (a, b) = (self.root(a), self.root(b));
         self.parents[a.max(b)] = a.min(b);

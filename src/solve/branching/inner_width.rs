@@ -1,16 +1,17 @@
-//! How thick a flat shape is along its outline.
+//! Thickness of a flat shape along its outline.
 //!
-//! In: a 2D shape. Out: from evenly spaced points of the outline, straight inwards, the distance to where the shape ends.
+//! In: a 2D shape. Out: the distance from evenly spaced points of the outline, perpendicular to it, to the opposite side of the
+//! shape.
 
 use super::ray::Ray;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
 use std::collections::HashMap;
 
-/// Points along the outline, about.
+/// Approximate number of points along the outline.
 const POINTS: f64 = 1000.0;
 
-/// Rays begin this part of a point's spacing inside.
+/// Offset of the start of a ray from the outline, as a fraction of the spacing of the points.
 const INSIDE: f64 = 1e-6;
 
 /// Widths at evenly spaced points of the outline, about a thousand in all.
@@ -27,7 +28,7 @@ pub fn inner_widths(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
         let side = (to[0] - from[0]).hypot(to[1] - from[1]);
         while until_next < side {
             let t = until_next / side;
-            // The shape lies to the left.
+            // The shape is on the left of the side.
             let inwards = [(from[1] - to[1]) / side, (to[0] - from[0]) / side];
             let start = [0, 1].map(|d| from[d] + t * (to[d] - from[d]) + INSIDE * step * inwards[d]);
             widths.extend(width(&tree, &outline, (number, start, inwards)));
@@ -38,7 +39,7 @@ pub fn inner_widths(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
     widths
 }
 
-/// Sides that one triangle has alone, the shape to their left.
+/// Sides that belong to one triangle only, with the shape on their left.
 fn outline(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<[[f64; 2]; 2]> {
     let key = |vertex: u32| points[vertex as usize].map(|x| (x + 0.0).to_bits());
     let mut sides: HashMap<[[u64; 2]; 2], (usize, [u32; 2])> = HashMap::new();
@@ -61,7 +62,7 @@ fn outline(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<[[f64; 2]; 2]> {
     alone.map(|(_, side)| side.map(|vertex| points[vertex as usize])).collect()
 }
 
-/// From a side inwards to the next one.
+/// Distance along the ray from a point inside a side to the next side.
 fn width(
     tree: &RTree<GeomWithData<Line<[f64; 2]>, usize>>,
     outline: &[[[f64; 2]; 2]],
@@ -89,7 +90,7 @@ mod tests {
         let mut widths = inner_widths(&points, &[[0, 1, 2], [0, 2, 3]]);
         widths.sort_by(f64::total_cmp);
         assert!((990..=1010).contains(&widths.len()), "{}", widths.len());
-        // The long sides are 2 of 2.4 long; from the short ones it is as wide as it is long.
+        // The long sides are 2 of the total length 2.4. Measured from the short ones the bar is 1 wide.
         let [thin, long] = [widths[widths.len() / 2], widths[widths.len() - 1]];
         assert!((thin - 0.2).abs() < 1e-6 && (long - 1.0).abs() < 1e-6, "{thin}, {long}");
     }

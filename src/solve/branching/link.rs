@@ -1,31 +1,31 @@
-//! Where triangles of a shape hang together.
+//! Links: connections between triangles of a shape.
 //!
-//! In: a shape at rest. Out: [`Link`]s between its triangles, as points of triangles, so that they hold in every pose.
+//! In: a shape at rest. Out: [`Link`]s between its triangles. Their ends are barycentric, so that they are valid in every pose.
 
-/// How two triangles hang together.
+/// How two triangles are connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkKind {
-    /// They share an edge; the link's ends are those of the edge.
+    /// They share an edge, whose ends are those of the link.
     Edge,
-    /// One end lies in the first triangle and one in the second, with solid matter between them at rest.
+    /// One end lies in each triangle. The link crosses a gap between parts, or the inside of a solid.
     Across,
 }
 
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkEnd {
-    /// The triangle, by index.
+    /// Index of the triangle.
     pub triangle: u32,
     /// Barycentric coordinates.
     pub barycentric: [f32; 3],
 }
 
-/// Two triangles that hang together.
+/// A connection between two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// A point in each.
+    /// A point in each triangle.
     pub ends: [LinkEnd; 2],
-    /// How.
+    /// The kind of connection.
     pub kind: LinkKind,
 }
 
@@ -38,7 +38,7 @@ impl LinkEnd {
         Self { triangle: triangle as u32, barycentric }
     }
 
-    /// Where it lies.
+    /// Position of the point.
     pub(super) fn point<const D: usize>(&self, points: &[[f64; D]], triangles: &[[u32; 3]]) -> [f64; D] {
         let corners = triangles[self.triangle as usize].map(|corner| points[corner as usize]);
         let shares = self.barycentric.map(f64::from);

@@ -1,10 +1,11 @@
-//! Branching lattices: parts of a shape that are near each other in space, but far apart along the shape, use copies of the
-//! handles between them.
+//! Branching lattices: parts of a shape that are close in space but far apart along the shape get separate copies of the handles
+//! that they share.
 //!
-//! In: a grid and a shape at rest. Out: a [`Branching`]: copies as unknowns of a solve, terms over them, and branches, which are
-//! plain lattices over parts of the shape. For each handle the shape inside its open support is split into connected pieces, and
-//! each has a copy of the handle (J. Molino et al., "A Virtual Node Algorithm for Changing Mesh Topology During Simulation", 2004;
-//! M. Nesme et al., "Preserving Topology and Elasticity for Embedded Deformable Models", 2009). docs/METHOD.md has the proofs.
+//! In: a grid and a shape at rest. Out: a [`Branching`]: the copies, which are the unknowns of a solve, the terms over them, and
+//! the branches, each of which is a plain lattice over a part of the shape. For each handle the shape inside its open support is
+//! split into connected components (pieces), and each of these gets its own copy of the handle (J. Molino et al., "A Virtual Node
+//! Algorithm for Changing Mesh Topology During Simulation", 2004; M. Nesme et al., "Preserving Topology and Elasticity for
+//! Embedded Deformable Models", 2009). docs/METHOD.md, "Branching lattices", has the proofs.
 
 mod adjacency;
 mod along_shape;
@@ -43,24 +44,24 @@ use cuts::{Cut, cuts};
 use pieces::Pieces;
 use std::ops::Range;
 
-/// A copy of a handle, as it is known at other times, when pieces of the shape are others.
+/// Name of a copy of a handle that stays valid at other times, when the shape is split into other pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct CopyName {
     /// The handle.
     pub(crate) handle: usize,
-    /// The first triangle of its piece of the shape.
+    /// The first triangle of the piece that has the copy.
     pub(crate) triangle: usize,
 }
 
-/// How a shape splits the handles of a grid.
+/// The copies of a grid's handles for a shape at rest, and the branches that they form.
 #[derive(Clone, Debug)]
 pub(crate) struct Branching<const D: usize> {
     grid: Grid<D>,
-    /// Handles that have a weight at a coordinate.
+    /// Number of handles with a non-zero weight at a coordinate, per axis.
     width: usize,
     /// Corners of all triangles at rest.
     triangles: Vec<[[f64; D]; 3]>,
-    /// Triangle by triangle.
+    /// The parts of triangles in cells, in the order of the triangles.
     cuts: Vec<Cut<D>>,
     /// The handle of each copy, ascending.
     handles: Vec<usize>,
@@ -70,16 +71,16 @@ pub(crate) struct Branching<const D: usize> {
     pieces: Pieces,
     /// The branch of each piece.
     branch_of: Vec<usize>,
-    /// For every branch the copy of each handle.
+    /// For every branch, the copy of each handle; `None` if the branch has no copy of it.
     branches: Vec<Vec<Option<usize>>>,
 }
 
 impl<const D: usize> Branching<D> {
-    /// The branching that a problem asks for; `None` where it asks for none, or where no handle has two copies: then the lattice is
-    /// the plain one.
+    /// The branching of a problem; `None` if the problem does not ask for one, or if no handle has two copies: the lattice is
+    /// then a plain one.
     ///
     /// # Errors
-    /// [`SolveError::Invalid`] where a setting of the problem does not know branches.
+    /// [`SolveError::Invalid`] if a setting, the basis or the shape does not support branching lattices.
     pub(crate) fn of(problem: &Problem<D>) -> Result<Option<Self>, SolveError> {
         let Problem { grid, shape, settings, .. } = *problem;
         if settings.topology == Topology::Plain {
@@ -93,7 +94,7 @@ impl<const D: usize> Branching<D> {
         Ok(branching.handles.windows(2).any(|pair| pair[0] == pair[1]).then_some(branching))
     }
 
-    /// Splits the handles of a grid by the connected pieces of a shape in their supports.
+    /// Splits the handles of a grid by the connected components of a shape in their supports.
     fn split(grid: &Grid<D>, shape: &Shape<D>, width: usize) -> Self {
         let cuts = cuts(grid, shape);
         let copies = copies(grid, width, &cuts, &Adjacency::of(shape));
@@ -114,17 +115,17 @@ impl<const D: usize> Branching<D> {
         }
     }
 
-    /// Number of copies: the unknowns of a solve.
+    /// Number of copies, which are the unknowns of a solve.
     pub(crate) fn count(&self) -> usize {
         self.handles.len()
     }
 
-    /// Where the copies are at rest.
+    /// Rest positions of the copies.
     pub(crate) fn rest(&self) -> Vec<[f64; D]> {
         self.handles.iter().map(|&handle| self.grid.rest_handle(handle)).collect()
     }
 
-    /// Moved handles as moved copies: of each handle all copies, in their order.
+    /// Converts moved handles to moved copies: all copies of each handle, ascending.
     pub(crate) fn moved_copies(&self, handles: &[HandlePin<D>]) -> Vec<HandlePin<D>> {
         let copies = |pin: &HandlePin<D>| {
             let first = self.handles.partition_point(|&handle| handle < pin.index);
@@ -143,7 +144,7 @@ impl<const D: usize> Branching<D> {
         (PointPin { at, target, ..*pin }, piece)
     }
 
-    /// The point of the shape, or of a triangle of it, that is nearest to a point, and its piece.
+    /// The point of the given triangle, or else of the shape, that is nearest to a point, and its piece.
     pub(crate) fn held_point(&self, point: [f64; D], triangle: Option<u32>) -> ([f64; D], usize) {
         match triangle.map(|triangle| triangle as usize) {
             Some(triangle) if triangle < self.triangles.len() => {
@@ -154,7 +155,7 @@ impl<const D: usize> Branching<D> {
         }
     }
 
-    /// What tells each copy from others of its handle at any time.
+    /// The name of each copy, #copies.
     pub(crate) fn copy_names(&self) -> Vec<CopyName> {
         self.handles
             .iter()
@@ -168,7 +169,7 @@ impl<const D: usize> Branching<D> {
         self.branch_of[piece]
     }
 
-    /// The piece of a run of triangles at a point of one of them.
+    /// The piece to which a point on one of these triangles belongs.
     pub(crate) fn piece_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
         let first = self.cuts.partition_point(|cut| cut.triangle < triangles.start);
         let cuts = self.cuts[first..].iter().take_while(|cut| cut.triangle < triangles.end).enumerate();
@@ -199,11 +200,12 @@ impl<const D: usize> Branching<D> {
     }
 }
 
-/// Spans of an axis at which a branching lattice is as stiff against bending as a plain one.
+/// Number of spans per axis at which a branching lattice resists bending like a plain one.
 const REFERENCE_SPANS: f64 = 7.0;
 
-/// The settings with discs of pins and bending in proportion to the spans of a grid. On a plain lattice both have one size for all
-/// grids; on fine branching ones they would be what keeps thin parts from turning about their joints.
+/// Settings with the radius of pin discs in proportion to the span of the grid, and the weight of bending to its square. A plain
+/// lattice uses the same values for all grids; on a fine branching lattice these would keep thin parts from rotating about their
+/// joints.
 pub(crate) fn settings_for<const D: usize>(grid: &Grid<D>, settings: &Settings) -> Settings {
     let finer = |axis: usize| REFERENCE_SPANS / grid.basis.spans(grid.dims[axis]) as f64;
     let length = (0..D).map(finer).product::<f64>().powf(1.0 / D as f64).min(1.0);
@@ -213,7 +215,8 @@ pub(crate) fn settings_for<const D: usize>(grid: &Grid<D>, settings: &Settings) 
     settings
 }
 
-/// Handles that have a weight at a coordinate.
+/// The number of handles with a non-zero weight at a coordinate, after checking that basis, dimension and shape support
+/// branching.
 fn checked_width<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Result<usize, SolveError> {
     let Support::Tensor { width } = grid.basis.support() else {
         return Err(refusal(&format!("the {} basis", grid.basis.label()), "use basis = \"bspline\" or \"bilinear\""));

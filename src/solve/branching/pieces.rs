@@ -1,6 +1,6 @@
-//! Pieces of the shape in the cells of a grid, and branches: sets of pieces on which the lattice is a plain one.
+//! Pieces of the shape in the cells of a grid, and branches: sets of pieces over which the lattice is a plain one.
 //!
-//! In: cuts with their copies. Out: pieces, those that continue each other, and the branch of each.
+//! In: cuts with their copies. Out: pieces, their adjacency, and the branch of each.
 
 use super::copies::{Copies, handles_of_cell};
 use super::cuts::Cut;
@@ -8,27 +8,27 @@ use crate::lattice::Grid;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// What one cell holds of the shape under the same copies.
+/// A part of the shape that lies in one cell and on which the same copies act.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
-    /// Number of the cell.
+    /// Index of the cell.
     pub(super) cell: usize,
-    /// Copies that act on it, in the order of the cell's handles.
+    /// The copies that act on the piece, in the order of the cell's handles.
     pub(super) copies: Vec<usize>,
-    /// Its area.
+    /// Area of the piece.
     pub(super) area: f64,
 }
 
 /// All pieces.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces {
-    /// By cell.
+    /// The pieces, sorted by cell.
     pub(super) list: Vec<Piece>,
     /// The piece of each cut, #cuts.
     pub(super) of_cuts: Vec<usize>,
-    /// Pieces of cells side by side that have all copies in common that they can have, #pieces, ascending.
+    /// Pieces of adjacent cells that have the same copies of all handles that act on both, #pieces, ascending.
     pub(super) neighbours: Vec<Vec<usize>>,
-    /// All pieces of cells side by side, #pieces, each with the copies of the same handles that the two have.
+    /// All pieces of adjacent cells, #pieces, each with pairs of the two pieces' copies of the handles that act on both.
     pub(super) beside: Vec<Vec<(usize, Vec<[usize; 2]>)>>,
 }
 
@@ -52,13 +52,13 @@ impl Pieces {
         Self { list, of_cuts, neighbours, beside }
     }
 
-    /// The pieces that a cell holds.
+    /// The pieces of a cell.
     pub(super) fn in_cell(&self, cell: usize) -> Range<usize> {
         self.list.partition_point(|piece| piece.cell < cell)..self.list.partition_point(|piece| piece.cell <= cell)
     }
 
-    /// The branch of every piece, and for every branch the copy of each handle (`None`: the branch has none), from the
-    /// largest piece on: each grows over neighbouring pieces as long as no handle would need two copies.
+    /// The branch of every piece, and for every branch the copy of each handle (`None` if the branch has no copy of it). Branches
+    /// are grown from the largest remaining piece over its neighbours, as long as no handle would need two copies.
     pub(super) fn branches<const D: usize>(
         &self,
         grid: &Grid<D>,
@@ -94,7 +94,7 @@ impl Pieces {
     }
 }
 
-/// The pieces of cells side by side with each piece, ascending, and the copies of handles over both cells that the two have.
+/// For each piece, the pieces of adjacent cells, ascending, with pairs of copies of the handles that act on both cells.
 fn beside<const D: usize>(grid: &Grid<D>, width: usize, list: &[Piece]) -> Vec<Vec<(usize, Vec<[usize; 2]>)>> {
     let mut beside = vec![Vec::new(); list.len()];
     let strides: [usize; D] =

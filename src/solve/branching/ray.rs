@@ -1,10 +1,10 @@
-//! Rays through the boxes of a tree, in the plane and in space.
+//! Selection of the boxes of an R-tree that a ray meets, in the plane and in space.
 //!
-//! In: a tree of objects with boxes. Out: those whose box a ray meets.
+//! In: a tree of objects with boxes. Out: the objects whose box the ray meets.
 
 use rstar::{AABB, RTreeObject, SelectionFunction};
 
-/// A ray; its direction has unit length.
+/// A ray. Its direction has unit length.
 #[derive(Clone, Copy)]
 pub(super) struct Ray<const D: usize> {
     pub(super) start: [f64; D],
@@ -17,7 +17,7 @@ impl<const D: usize> Ray<D> {
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
         for axis in 0..D {
             let [a, b] = [low[axis], high[axis]].map(|border| (border - self.start[axis]) / self.direction[axis]);
-            // Not a number where the ray runs along a border: it then counts as inside.
+            // NaN if the ray runs along a border, which counts as inside.
             if !(a.is_nan() || b.is_nan()) {
                 enter = enter.max(a.min(b));
                 leave = leave.min(a.max(b));

@@ -1,5 +1,5 @@
-//! The links of a shape at rest: triangles that share an edge, islands with what is nearest, so that eyes and buttons go along, and
-//! the two sides of a solid.
+//! Links of a shape at rest: between triangles that share an edge, and from isolated parts (such as eyes and buttons) to the
+//! nearest other part, so that they move with it.
 //!
 //! In: points and triangles at rest, 2D or 3D. Out: [`Link`]s.
 
@@ -10,11 +10,13 @@ use crate::solve::problem::Shape;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// Every round joins each island with its nearest one, so that their number is at least halved: enough for 2^20 islands.
+/// Number of rounds. Each links every island to its nearest one and at least halves the number of islands, so this suffices for
+/// 2^20.
 const ROUNDS: usize = 20;
 
-/// Edges and islands. Vertices at one place count as one, so that seams of textures do not separate what they join. Where more
-/// than two triangles meet at an edge, all of them hang together. Islands hang on what is nearest, but no farther than `radius`.
+/// Links between triangles with a common edge, and between islands. Vertices in the same position count as one, so that texture
+/// seams do not separate triangles. Where more than two triangles share an edge, all are linked. Islands are linked to the
+/// nearest other island within `radius`.
 #[must_use]
 pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], radius: f64) -> Vec<Link> {
     let welded = merge_duplicates(&Shape::of_triangles(points.to_vec(), triangles.to_vec()));
@@ -41,10 +43,10 @@ pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]]
     links
 }
 
-/// A corner of the shape, with its number: three times the triangle's and the corner's.
+/// A corner of a triangle, with the number 3 · triangle + corner.
 type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
 
-/// Joins two parts of a shape where their corners are nearest; `None` where one of them has no triangles.
+/// Links two sets of triangles at their nearest corners; `None` if one of them is empty.
 #[must_use]
 pub fn nearest_link<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], sides: [&[usize]; 2]) -> Option<Link> {
     let corners = |side: &[usize]| -> Vec<Corner<D>> {
@@ -60,7 +62,8 @@ pub fn nearest_link<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]],
     Some(Link { ends: pair.map(|corner| LinkEnd::corner(corner / 3, corner % 3)), kind: LinkKind::Across })
 }
 
-/// Joins every island to the one whose nearest corner is nearest, until all hang together (O. Borůvka, 1926).
+/// Links every island to the one with the nearest corner, repeatedly, until all are connected (O. Borůvka, 1926) or farther apart
+/// than `radius`.
 fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec<Link> {
     let mut islands = DisjointSets::of(shape.triangles.len());
     links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
@@ -87,7 +90,8 @@ fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec
     bridges
 }
 
-/// For every island but the largest the shortest way to another one, as two corners, shortest first.
+/// The shortest connection from every island but the largest to another island, as squared length and two corners, shortest
+/// first.
 fn nearest_islands<const D: usize>(
     shape: &Shape<D>,
     tree: &RTree<Corner<D>>,

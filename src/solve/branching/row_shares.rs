@@ -1,20 +1,21 @@
-//! Weights of rows over copies: of those that are one row of a plain lattice, each has its share.
+//! Weights of rows over copies: the rows that replace one row of a plain lattice share its weight.
 //!
-//! In: rows by their copies, with the area of the shape that they act on. Out: their weights. Where pieces have just split, the weights of
-//! their rows add up to that of the row before; pieces that are apart have a whole row each; rows of what has hardly any area fade. So the
-//! energy is continuous while pieces split, join, appear and vanish.
+//! In: rows by their copies, with the area of the shape on which they act. Out: their weights. The weights of rows over pieces
+//! that have just split add up to the weight of the row before; rows over separate pieces have full weight each; rows over very
+//! small areas fade out. The energy is therefore continuous while pieces split, join, appear and vanish.
 
 use super::Branching;
 use std::collections::BTreeMap;
 
-/// What remains of the weight of rows over nearly nothing, so that their copies are determined.
+/// Smallest relative weight of a row, however small its area, so that its copies are determined.
 const LEAST: f64 = 1e-3;
 
-/// The growth of a support at which copies count half as one.
+/// The growth of a support at which two copies count about half as one.
 const HALF_APART: f64 = 0.1;
 
 impl<const D: usize> Branching<D> {
-    /// The weight of each row relative to one of a plain lattice. `areas`: rows by their copies, with the area that they act on.
+    /// The weight of each row relative to the row of a plain lattice. `areas` maps the copies of a row to the area on which it
+    /// acts.
     pub(super) fn shares(&self, areas: BTreeMap<Vec<usize>, f64>) -> Vec<(Vec<usize>, f64)> {
         let handles = |copies: &[usize]| copies.iter().map(|&copy| self.handles[copy]).collect::<Vec<_>>();
         let mut same: BTreeMap<Vec<usize>, Vec<(Vec<usize>, f64)>> = BTreeMap::new();
@@ -37,7 +38,8 @@ impl<const D: usize> Branching<D> {
         weighed.collect()
     }
 
-    /// How far pairs of copies count as one: 1 where they are or have just split, 0 where some are a span apart.
+    /// The degree to which pairs of copies count as one: 1 if they are equal or have just split, 0 if the pieces of some pair are
+    /// a span apart.
     pub(super) fn oneness(&self, pairs: &[[usize; 2]]) -> f64 {
         let growth = |&[one, other]: &[usize; 2]| {
             let copies = [one.min(other), one.max(other)];

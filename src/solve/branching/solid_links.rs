@@ -1,7 +1,7 @@
-//! The two sides of a solid: front and back of a limb hang together through what is between them.
+//! Links through the inside of solids, between front and back of a limb, for example.
 //!
-//! In: a surface at rest in 3D. Out: a [`Link`] from points of each triangle, straight inwards, to where the solid ends. Open
-//! surfaces have no inside, and so no such links.
+//! In: a surface at rest in 3D. Out: [`Link`]s from points of each triangle, along the inward normal, to the opposite side. Open
+//! surfaces have no inside and get no such links.
 
 use super::link::{Link, LinkEnd, LinkKind};
 use super::ray::Ray;
@@ -9,19 +9,19 @@ use crate::solve::linalg::small_matrix::{distance, dot, minus};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-/// Points of a triangle lie as near as this part of the shape's diagonal to each other.
+/// Spacing of the points on a triangle, as a fraction of the shape's diagonal.
 const PITCH: f64 = 1.0 / 48.0;
 
-/// Most points along a side of a triangle.
+/// Largest number of points along a side of a triangle.
 const MOST_POINTS: usize = 16;
 
-/// Most rays in all; beyond, triangles have one each.
+/// Largest number of rays; if there would be more, each triangle has one.
 const MOST_RAYS: usize = 400_000;
 
-/// Rays start and end this part of the diagonal off the surface.
+/// Offset of the start of a ray from the surface, as a fraction of the diagonal.
 const OFF_SURFACE: f64 = 1e-7;
 
-/// A triangle's box, with its number.
+/// The bounding box of a triangle, with the index of the triangle.
 type Boxed = GeomWithData<Rectangle<[f64; 3]>, usize>;
 
 /// Links through the inside of closed surfaces.
@@ -45,14 +45,14 @@ pub fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
     links
 }
 
-/// How far a link reaches.
+/// The distance between the ends of a link.
 #[must_use]
 pub fn link_length(link: &Link, points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     let [from, to] = link.ends.map(|end| end.point(points, triangles));
     distance(&from, &to)
 }
 
-/// Barycentric coordinates of the centroids of the triangles into which one is cut, `side` to a side.
+/// Barycentric coordinates of the centroids of a triangle's subdivision with `side` small triangles along each side.
 fn centroids(side: usize) -> Vec<[f64; 3]> {
     let unit = 1.0 / (3 * side) as f64;
     let upright = (0..side).flat_map(|i| (0..side - i).map(move |j| [3 * i + 1, 3 * j + 1]));
@@ -61,7 +61,7 @@ fn centroids(side: usize) -> Vec<[f64; 3]> {
     shares.map(|[a, b]| [a, b, 1.0 - a - b]).collect()
 }
 
-/// Triangles that rays find.
+/// The triangles of a surface, with a tree for ray queries.
 struct Surface {
     corners: Vec<[[f64; 3]; 3]>,
     diagonal: f64,
@@ -81,8 +81,8 @@ impl Surface {
         Self { tree: RTree::bulk_load(boxed.collect()), diagonal, corners }
     }
 
-    /// Where a ray that enters the solid at a point of a triangle leaves it again; `None` where it meets another surface from
-    /// outside first, or nothing at all.
+    /// The point where a ray that enters the solid at a point of a triangle leaves it again; `None` if it first meets a surface
+    /// from outside, or meets nothing.
     fn exit(&self, triangle: usize, from: &[f64; 3]) -> Option<LinkEnd> {
         let corners = &self.corners[triangle];
         let normal = unit(&normal(corners))?;
@@ -102,8 +102,8 @@ impl Surface {
 }
 
 impl Ray<3> {
-    /// Distance and barycentric coordinates where it meets a triangle (T. Möller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle
-    /// Intersection", 1997).
+    /// Distance and barycentric coordinates of the intersection with a triangle (T. Möller, B. Trumbore, "Fast, Minimum Storage
+    /// Ray-Triangle Intersection", 1997).
     fn hit(&self, [a, b, c]: &[[f64; 3]; 3]) -> Option<(f64, [f64; 3])> {
         let (ab, ac) = (minus(b, a), minus(c, a));
         let p = cross(&self.direction, &ac);
@@ -129,7 +129,7 @@ fn unit(a: &[f64; 3]) -> Option<[f64; 3]> {
     (length > 0.0).then(|| a.map(|x| x / length))
 }
 
-/// The normal of a triangle, counter-clockwise seen from outside; its length is twice the area.
+/// The normal of a triangle that is counter-clockwise seen from outside. Its length is twice the area.
 fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     cross(&minus(b, a), &minus(c, a))
 }
@@ -138,7 +138,7 @@ fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// A box with corners at 0 and `size`; opposite faces follow each other.
+    /// A box with corners at 0 and `size`; opposite faces are consecutive.
     fn faces(size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         let points = (0..8).map(|k| [0, 1, 2].map(|axis| f64::from(k >> axis & 1) * size[axis])).collect();
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

@@ -1,4 +1,4 @@
-//! The box in which a handle has a weight, and how far a seam lies from it.
+//! The support of a handle, and its distance from seams.
 //!
 //! In: a handle. Out: the cells of its support; distances in spans, negative inside.
 
@@ -11,13 +11,13 @@ use crate::lattice::Grid;
 pub(super) struct SupportBox<const D: usize> {
     /// First and last cell of each axis.
     pub(super) cells: [[usize; 2]; D],
-    /// Borders on each axis; infinite at the border of the grid, beyond which parts count for the nearest cell.
+    /// Borders on each axis; infinite at the border of the grid, because parts outside belong to the nearest cell.
     borders: [[f64; 2]; D],
     spacing: [f64; D],
 }
 
 impl<const D: usize> SupportBox<D> {
-    /// `width`: handles that have a weight at a coordinate.
+    /// `width` is the number of handles with a non-zero weight at a coordinate.
     pub(super) fn of(grid: &Grid<D>, width: usize, handle: usize) -> Self {
         let place = grid.handle_coords(handle);
         let last = grid.dims.map(|count| grid.basis.spans(count) - 1);
@@ -34,7 +34,7 @@ impl<const D: usize> SupportBox<D> {
         Self { cells, borders, spacing: std::array::from_fn(|axis| grid.spacing(axis)) }
     }
 
-    /// The cells and their neighbours.
+    /// The range of cells extended by one cell on all sides, inside the grid.
     pub(super) fn grown(&self, grid: &Grid<D>) -> [[usize; 2]; D] {
         std::array::from_fn(|axis| {
             let [low, high] = self.cells[axis];
@@ -42,8 +42,8 @@ impl<const D: usize> SupportBox<D> {
         })
     }
 
-    /// By how many spans the box would have to grow on all sides to join the triangles of a seam: below 0 where it does. An edge joins
-    /// them wherever the box meets it; across a gap or through a solid both ends have to be inside.
+    /// Growth of the box on all sides, in spans, at which it connects the triangles of a seam; negative if it already does. An
+    /// edge connects them if the box meets it; a link across a gap or a solid, if both ends are inside.
     pub(super) fn growth_to(&self, seam: &Seam<D>) -> f64 {
         match seam.kind {
             LinkKind::Edge => self.growth(&seam.ends),
@@ -54,9 +54,10 @@ impl<const D: usize> SupportBox<D> {
         }
     }
 
-    /// By how many spans the box would have to grow on all sides to meet a segment: below 0 where it does.
+    /// Growth of the box on all sides, in spans, at which it meets a segment; negative if it already does.
     fn growth(&self, ends: &[[f64; D]; 2]) -> f64 {
-        // The distance from a border is linear along the segment; the greatest of them is least at an end or where two are equal.
+        // The signed distance from each border is linear along the segment. The minimum of the largest distance is at an end, or
+        // where two distances are equal.
         let mut lines = [[0.0; 2]; 6];
         let mut count = 0;
         for (axis, [low, high]) in self.borders.into_iter().enumerate() {
@@ -82,7 +83,7 @@ impl<const D: usize> SupportBox<D> {
     }
 }
 
-/// Numbers of all cells between two, x fastest.
+/// Indices of all cells in a range per axis, x fastest.
 pub(super) fn cells_between<const D: usize>(grid: &Grid<D>, ranges: [[usize; 2]; D]) -> Vec<usize> {
     let mut cells = vec![0];
     for axis in (0..D).rev() {

@@ -1,6 +1,6 @@
-//! The terms of a solve over copies: each is that of a plain lattice, branch by branch, with copies in place of handles.
+//! Terms of a solve over copies: the terms of a plain lattice, branch by branch, with copies in place of handles.
 //!
-//! In: a [`Branching`], pins, settings. Out: distortion, rows of pins and regulariser.
+//! In: a [`Branching`], pins, settings. Out: the distortion, and the rows of pins and regulariser.
 
 use super::around_pin::AroundPin;
 use super::copies::Tie;
@@ -17,20 +17,21 @@ use crate::solve::second_differences::SecondDifferences;
 use crate::solve::settings::{Scaling, Settings};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Stiffness of a tie at which the support has to grow by half a span, relative to that of the shape.
+/// Stiffness of a tie between copies whose support has to grow by half a span, relative to that of the shape.
 const TIE: f64 = 1e-4;
 
-/// Ties are never stiffer than this multiple of that.
+/// Largest stiffness of a tie, as a multiple of [`TIE`].
 const STIFFEST: f64 = 1e8;
 
-/// The power that makes a copy without area choose one of its siblings, continuously.
+/// Exponent of the weights by which a copy with a negligible area continuously chooses one of its siblings (other copies of its
+/// handle).
 const CHOICE: i32 = 16;
 
-/// Rows over a part of the shape have their full weight from this share of a cell on.
+/// Area of a part of the shape, as a fraction of a cell, from which on its rows have full weight.
 const FULL_SHARE: f64 = 0.02;
 
 impl<const D: usize> Branching<D> {
-    /// `area` over all branches, with the discs of pins and the ties of copies.
+    /// The energy `area` over all branches, with the discs of pins and the ties between copies.
     pub(crate) fn distortion(
         &self,
         shape: &Shape<D>,
@@ -52,7 +53,7 @@ impl<const D: usize> Branching<D> {
                 }
             }
             let mut samples = samples_of_pieces(&self.grid, &parts);
-            // Rounding may move a sliver across the border of its cell.
+            // Rounding can move a sliver across the border of its cell.
             samples.retain(|sample| self.acts_at(branch, sample.at));
             for pin in &around {
                 samples.iter_mut().for_each(|sample| sample.stiffness *= pin.stiffness_at(branch, sample.at));
@@ -86,7 +87,7 @@ impl<const D: usize> Branching<D> {
         all
     }
 
-    /// How far two pins hold the same handles, 0 to 1: those on parts that are apart can go their own ways.
+    /// The degree to which two pins act on the same unknowns, 0 to 1; pins on separate parts are independent.
     pub(crate) fn coupling(&self, pins: [&PointPin<D>; 2]) -> f64 {
         let [one, other] = pins.map(|pin| {
             let (held, piece) = self.held(pin);
@@ -104,7 +105,7 @@ impl<const D: usize> Branching<D> {
         if total > 0.0 { sum / total } else { 0.0 }
     }
 
-    /// Rows of points of the model over copies, together of weight 1.
+    /// Rows of the model's points over copies, with a total weight of 1.
     pub(crate) fn point_rows(&self, points: &[ModelPoint<D>]) -> LeastSquaresRows<D> {
         let mut rows = LeastSquaresRows::new();
         let weight = 1.0 / points.len().max(1) as f64;
@@ -117,7 +118,7 @@ impl<const D: usize> Branching<D> {
         rows
     }
 
-    /// The regulariser `bend`: every second difference of copies that act on a common piece, once.
+    /// The regulariser `bend`: each second difference of copies that act on a common piece, once.
     pub(crate) fn bend(&self, scaling: Scaling) -> LeastSquaresRows<D> {
         let Support::Tensor { width } = self.grid.basis.support() else { return LeastSquaresRows::new() };
         let mut rows = LeastSquaresRows::new();
@@ -142,9 +143,10 @@ impl<const D: usize> Branching<D> {
         rows
     }
 
-    /// Differences of tied copies, free where the support has to grow by a whole span, equal where it does not have to. Copies that are
-    /// nearer to each other than to a third have one tie to it between them: their shares of it are those of the area that they hold. A
-    /// copy that holds hardly any area goes with one sibling, and does not join others.
+    /// Ties: rows for the difference of two copies. The stiffness is 0 if their support has to grow by a whole span to connect
+    /// them, and unbounded but for [`STIFFEST`] as the growth approaches 0. Copies that are closer to each other than to a third
+    /// have one tie to it in total, shared in proportion to their areas. A copy with a negligible area is tied to one sibling
+    /// only, so that it does not couple others.
     fn tie_rows(&self) -> LeastSquaresRows<D> {
         let mut area = vec![0.0; self.handles.len()];
         for piece in &self.pieces.list {
@@ -162,7 +164,7 @@ impl<const D: usize> Branching<D> {
             let others: f64 = nearer.map(|(sibling, own)| area[*sibling] * (1.0 - own / growth)).sum();
             if others > 0.0 { area[copy] / (area[copy] + others) } else { 1.0 }
         };
-        // Of the ties of a copy, the share of the one to a sibling: nearly 1 for the nearest and largest.
+        // Strength of a copy's tie to a sibling when it chooses one: the nearest and largest sibling has the greatest.
         let pull = |copy: usize, sibling: usize, growth: f64| weight(growth) * area[sibling] * among_near(copy, growth);
         let sums = (0..self.handles.len()).map(|copy| {
             let pulls = || siblings[copy].iter().map(|&(sibling, growth)| pull(copy, sibling, growth));
@@ -185,14 +187,14 @@ impl<const D: usize> Branching<D> {
         rows
     }
 
-    /// Whether a branch has copies of all handles that have a weight at a point.
+    /// Whether a branch has copies of all handles with a non-zero weight at a point.
     fn acts_at(&self, branch: usize, point: [f64; D]) -> bool {
         let mut acts = true;
         self.grid.for_each_weight(point, |term| acts &= self.branches[branch][term.handle].is_some());
         acts
     }
 
-    /// The area from which on a part of the shape counts fully: a share of a cell.
+    /// The area from which on a part of the shape has full weight.
     pub(super) fn full_area(&self) -> f64 {
         FULL_SHARE * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
     }
@@ -200,12 +202,12 @@ impl<const D: usize> Branching<D> {
     /// The copy of a handle in a branch.
     ///
     /// # Panics
-    /// Where the branch has none.
+    /// If the branch has no copy of it.
     fn copy(&self, branch: usize, handle: usize) -> usize {
         self.branches[branch][handle].expect("a branch has copies of all handles over its pieces")
     }
 
-    /// Rows over copies instead of handles; handles without a copy have no weight but that of rounding.
+    /// Converts rows over handles to rows over copies. A handle without a copy has a weight within rounding error of 0.
     pub(super) fn clipped(&self, branch: usize, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
         rows.mapped(|handle| self.branches[branch][handle])
     }

@@ -2,16 +2,16 @@
 
 use super::simd::LANES;
 
-/// Columns of a panel.
+/// Columns per panel.
 pub(super) const PANEL: usize = 4;
 
-/// Numbers per column. Entries beyond the band are zero, so that the four columns of a panel can be read over the
-/// same rows, in whole registers.
+/// Numbers per column. Entries beyond the band are zero, so that the four columns of a panel can be read over the same rows, in
+/// whole registers.
 pub(crate) fn stride(band: usize) -> usize {
     (band + 2 * PANEL - 1).next_multiple_of(LANES)
 }
 
-/// Numbers per factor: whole panels.
+/// Numbers per factor; the last panel is padded.
 pub(crate) fn padded_length(size: usize, band: usize) -> usize {
     size.next_multiple_of(PANEL) * stride(band)
 }

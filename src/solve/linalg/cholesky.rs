@@ -1,6 +1,6 @@
 //! Cholesky factorisation of banded matrices in panels of four columns, vectorised over rows.
 //!
-//! In: the lower half of a matrix by columns. Out: L in the same layout, and solutions for several right sides.
+//! In: the lower half of a matrix by columns. Out: L in the same layout, and solutions for several right-hand sides.
 
 use super::band_storage::{PANEL, stride};
 use super::simd::{LANES, dispatch, store};
@@ -8,24 +8,23 @@ use super::syrk::PackedPanels;
 use crate::solve::cancel::{Cancel, WorkMeter};
 use pulp::{Simd, WithSimd};
 
-/// L; entry (j + k, j) at j·stride + k, with inverted diagonal. Columns beyond the matrix are those of the identity.
+/// The factor L. Entry (j + k, j) is at j·stride + k; the diagonal is stored inverted. Padding columns are those of the identity.
 #[derive(Debug)]
 pub(crate) struct Cholesky {
     band: usize,
     columns: Vec<f64>,
-    /// Profile: number of rows below each panel with entries, in whole registers; the band need not be full.
+    /// Number of rows below each panel that contain entries, in whole registers; the band need not be full.
     profile: Vec<usize>,
 }
 
 impl Cholesky {
-    /// Factors a matrix given by its columns; `None` where it is not positive definite or holds a NaN, or the solve is
-    /// cancelled.
+    /// Factors a matrix given by its columns; `None` if it is not positive definite, contains a NaN, or the solve is cancelled.
     pub(crate) fn new(band: usize, columns: Vec<f64>, cancel: &Cancel) -> Option<Self> {
         let mut factor = Self::padded(band, columns);
         dispatch(Factorisation(&mut factor, cancel.meter())).then_some(factor)
     }
 
-    /// A factor that was computed elsewhere, by its columns.
+    /// Wraps the columns of a factor that was computed elsewhere.
     pub(crate) fn from_factor(band: usize, columns: Vec<f64>) -> Self {
         Self::padded(band, columns)
     }
@@ -45,12 +44,12 @@ impl Cholesky {
         self.columns
     }
 
-    /// Solves in place for D right sides.
+    /// Solves in place for D right-hand sides.
     pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         dispatch(Substitution { factor: self, x });
     }
 
-    /// The solution for one right side.
+    /// The solution for one right-hand side.
     pub(crate) fn solved(&self, right_side: &[f64]) -> Vec<[f64; 1]> {
         let mut x: Vec<[f64; 1]> = right_side.iter().map(|&value| [value]).collect();
         self.solve(&mut x);
@@ -58,13 +57,13 @@ impl Cholesky {
     }
 }
 
-/// Profile of the panels: fill-in extends a column to the end of any column before it.
+/// Height of every panel. Because of fill-in, a column extends at least to the end of every previous column.
 fn profile(columns: &[f64], stride: usize) -> Vec<usize> {
     let count = columns.len() / stride;
     let mut last = 0;
     let mut profile = Vec::with_capacity(count / PANEL);
     for (j, column) in columns.chunks_exact(stride).enumerate() {
-        // Padding beyond the matrix is not searched.
+        // Only rows of the matrix are searched, not the padding.
         let column = &column[..stride.min(count - j)];
         last = last.max(j + column.iter().rposition(|&x| x != 0.0).unwrap_or(0));
         if j % PANEL == PANEL - 1 {
@@ -74,10 +73,10 @@ fn profile(columns: &[f64], stride: usize) -> Vec<usize> {
     profile
 }
 
-/// Columns that are subtracted from the rest of a wide band together, in register tiles.
+/// Columns of a wide band that are subtracted from the rest together, in register tiles.
 const BLOCK: usize = 48;
 
-/// Narrower bands stay in the first-level cache, and each panel is subtracted at once.
+/// Narrower bands fit into the first-level cache; each panel is subtracted at once.
 const NARROW: usize = 64;
 
 /// Right-looking factorisation.
@@ -142,7 +141,7 @@ fn subtract_block<S: Simd>(
     panels.add_to(simd, -1.0, (rest, stride), meter);
 }
 
-/// Factors the four columns of a panel.
+/// Factors the four columns of a panel; returns false if a diagonal entry is not positive and finite.
 #[inline(always)]
 fn factor_panel(panel: &mut [f64], stride: usize) -> bool {
     for k in 0..PANEL {
@@ -162,7 +161,7 @@ fn factor_panel(panel: &mut [f64], stride: usize) -> bool {
     true
 }
 
-/// Subtracts the contribution of a panel of this height from two columns, `ahead` columns after its first.
+/// Subtracts the contribution of a panel of the given height from two columns that begin `ahead` columns after its first.
 #[inline(always)]
 fn update_pair<S: Simd>(simd: S, panel: &[f64], [ahead, height]: [usize; 2], targets: &mut [f64]) {
     let stride = targets.len() / 2;
@@ -175,7 +174,7 @@ fn update_pair<S: Simd>(simd: S, panel: &[f64], [ahead, height]: [usize; 2], tar
     let sources: [&[S::f64s]; PANEL] = std::array::from_fn(|k| registers::<S>(&column(k)[1..=length]));
     let one = S::as_mut_simd_f64s(&mut one[1..=length]).0;
     let two = S::as_mut_simd_f64s(&mut two[..length]).0;
-    // Closures of `map` would not be inlined here.
+    // A loop, because closures of `map` would not be inlined here.
     let mut splats = [[simd.splat_f64s(0.0); 2]; PANEL];
     for k in 0..PANEL {
         splats[k] = [simd.splat_f64s(factors[k][0]), simd.splat_f64s(factors[k][1])];
@@ -196,7 +195,7 @@ fn registers<S: Simd>(numbers: &[f64]) -> &[S::f64s] {
     S::as_simd_f64s(numbers).0
 }
 
-/// L y = b, then Lᵀ x = y.
+/// Solves L y = b, then Lᵀ x = y.
 struct Substitution<'a, const D: usize> {
     factor: &'a Cholesky,
     x: &'a mut [[f64; D]],
@@ -292,7 +291,7 @@ fn total<S: Simd>(register: S::f64s) -> f64 {
 mod tests {
     use super::*;
 
-    /// A diagonally dominant matrix: entry (i, j) of its lower half.
+    /// Entry (i, j) of the lower half of a diagonally dominant matrix.
     fn entry(i: usize, j: usize) -> f64 {
         if i == j { 9.0 + (i as f64).sin() } else { ((3 * i + j) as f64).cos() / (1 + i - j) as f64 }
     }
@@ -301,12 +300,12 @@ mod tests {
     fn solutions_solve_whatever_size_and_band() {
         for (size, band) in [(1, 0), (2, 1), (7, 2), (8, 7), (9, 4), (30, 5), (33, 32), (50, 13)] {
             solve_one(size, band, |i, j| i - j <= band);
-            // Few entries fill the band: most columns are short.
+            // A sparse band: most columns are short.
             solve_one(size, band, |i, j| i - j <= band && (i - j <= band / 4 || j % 11 == 3));
         }
     }
 
-    /// Factors and solves for a known solution; `holds` says which entries of the lower half there are.
+    /// Factors and solves for a known solution. `holds` says which entries of the lower half are not zero.
     fn solve_one(size: usize, band: usize, holds: impl Fn(usize, usize) -> bool) {
         let entry = |i: usize, j: usize| if holds(i, j) { entry(i, j) } else { 0.0 };
         let mut columns = vec![0.0; size * stride(band)];

@@ -1,6 +1,6 @@
-//! Factorisations of the normal matrix: banded, dense or sparse Cholesky, with a low-rank correction, or LU. Crate faer.
+//! Factorisations of the normal matrix: banded, dense or sparse Cholesky, banded with a low-rank correction, or LU. Crate faer.
 //!
-//! In: a symmetric matrix. Out: its solutions.
+//! In: a symmetric matrix. Out: solutions for its right-hand sides.
 
 use super::band_storage::stride;
 use super::cholesky::Cholesky;
@@ -26,12 +26,12 @@ pub(crate) enum Factorization {
     Corrected(Corrected),
     /// P L Lᵀ Pᵀ, for wide bands with few entries.
     Sparse(SparseFactor),
-    /// For matrices that negative cotangents make indefinite.
+    /// LU with partial pivoting, for matrices that negative cotangents make indefinite.
     Lu(Box<PartialPivLu<f64>>),
 }
 
 impl Factorization {
-    /// Factors a matrix; `None` where it is singular or holds a NaN, or the solve is cancelled.
+    /// Factors a matrix; `None` if it is singular, contains a NaN, or the solve is cancelled.
     pub(crate) fn new(normal: &NormalMatrix, cancel: &Cancel) -> Option<Self> {
         if let Some(factor) = Self::of_positive(normal.padded(), cancel) {
             return Some(factor);
@@ -47,7 +47,7 @@ impl Factorization {
         (least > 1e-15 * most && most.is_finite()).then(|| Self::Lu(Box::new(lu)))
     }
 
-    /// Factors a positive definite matrix; `None` where it is not, or the solve is cancelled.
+    /// Factors a positive definite matrix; `None` if it is not positive definite, or the solve is cancelled.
     pub(crate) fn of_positive(normal: NormalMatrix, cancel: &Cancel) -> Option<Self> {
         if let Some(corrected) = Corrected::new(&normal, cancel) {
             return Some(Self::Corrected(corrected));
@@ -68,7 +68,7 @@ impl Factorization {
         Some(Self::Cholesky(Cholesky::from_factor(band, columns)))
     }
 
-    /// The memory of the factor, for reuse.
+    /// The memory of the factor, for reuse; empty for factors without a reusable buffer.
     pub(crate) fn into_buffer(self) -> Vec<f64> {
         match self {
             Self::Cholesky(cholesky) => cholesky.into_buffer(),
@@ -76,7 +76,7 @@ impl Factorization {
         }
     }
 
-    /// Solves in place for D right sides.
+    /// Solves in place for D right-hand sides.
     pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         match self {
             Self::Cholesky(cholesky) => cholesky.solve(x),
@@ -92,23 +92,24 @@ impl Factorization {
     }
 }
 
-/// A banded factor with a correction of low rank: (N − UUᵀ)⁻¹ = N⁻¹ + Y UᵀN⁻¹ with Y = N⁻¹U (I − UᵀN⁻¹U)⁻¹
-/// (M. A. Woodbury, "Inverting modified matrices", 1950). It costs a few dot products more than the band.
+/// A banded factor with a low-rank correction: (N − UUᵀ)⁻¹ = N⁻¹ + Y UᵀN⁻¹ with Y = N⁻¹U (I − UᵀN⁻¹U)⁻¹ (M. A. Woodbury,
+/// "Inverting modified matrices", 1950). A solve costs a few dot products more than that of the band.
 #[derive(Debug)]
 pub(crate) struct Corrected {
     banded: Cholesky,
-    /// A column of U and of Y each.
+    /// Pairs of columns of U and Y.
     pairs: Vec<[Vec<f64>; 2]>,
 }
 
-/// Maximum number of columns of U: an affine map of 2D has six coefficients, one coordinate in 3D four.
+/// Largest number of columns of U. An affine map has six coefficients in 2D, and four per coordinate in 3D.
 const MAX_RANK: usize = 8;
 
-/// Least eigenvalue of I − UᵀN⁻¹U, which lie in 0..=1: below it cancellation loses digits, and a dense factor is used.
+/// Smallest accepted eigenvalue of I − UᵀN⁻¹U, all of which lie in 0..=1. Below it cancellation loses digits, and a dense factor
+/// is used.
 const MIN_LEFT: f64 = 1e-3;
 
 impl Corrected {
-    /// The factor of a banded matrix with downdates; `None` where a dense factor is preferable.
+    /// Factors a banded matrix with downdates; `None` if a dense factor is preferable.
     fn new(normal: &NormalMatrix, cancel: &Cancel) -> Option<Self> {
         let count = normal.downdates.len();
         let fits = (1..=MAX_RANK).contains(&count) && normal.size >= SMALL && normal.is_banded_enough();
@@ -144,7 +145,7 @@ impl Corrected {
     }
 }
 
-/// The inverse of a symmetric matrix, unless an eigenvalue is below [`MIN_LEFT`].
+/// The inverse of a symmetric matrix; `None` if an eigenvalue is not above [`MIN_LEFT`].
 fn inverse_of_positive<const N: usize>(m: &SquareMatrix<N>) -> Option<SquareMatrix<N>> {
     let (values, vectors) = symmetric_eigen(m);
     let entry = |a: usize, b: usize| (0..N).map(|k| vectors[a][k] * vectors[b][k] / values[k]).sum();
@@ -152,7 +153,7 @@ fn inverse_of_positive<const N: usize>(m: &SquareMatrix<N>) -> Option<SquareMatr
     values.iter().all(|&value| value > MIN_LEFT).then_some(inverse)
 }
 
-/// faer's dense Cholesky; columns as in [`Cholesky`], the band as wide as the matrix.
+/// Dense Cholesky by faer, with columns as in [`Cholesky`] and a full band.
 fn dense_cholesky(full: &Mat<f64>) -> Option<Vec<f64>> {
     let size = full.nrows();
     let llt = Llt::new(full.as_ref(), Side::Lower).ok()?;

@@ -1,6 +1,6 @@
 //! Gram matrices of small blocks: dot products of all pairs of columns of a tall matrix, in register tiles.
 //!
-//! In: rows with the same handles. Out: sums for the normal matrix.
+//! In: rows over the same handles. Out: sums to add to the normal matrix.
 
 use super::simd::{LANES, load};
 use pulp::{Simd, WithSimd};
@@ -20,14 +20,14 @@ pub(crate) struct GramMatrix {
 }
 
 impl GramMatrix {
-    /// Removes all rows; new ones have `count` numbers.
+    /// Removes all rows and sets the number of entries of new ones.
     pub(crate) fn clear(&mut self, count: usize) {
         self.count = count;
         self.width = count.next_multiple_of(TILE[1]);
         self.rows.clear();
     }
 
-    /// Adds a row of zeros and returns it.
+    /// Appends a row of zeros and returns it.
     #[inline(always)]
     pub(crate) fn push(&mut self) -> &mut [f64] {
         let start = self.rows.len();
@@ -35,7 +35,7 @@ impl GramMatrix {
         &mut self.rows[start..start + self.count]
     }
 
-    /// Adds four rows and returns them; all their numbers have to be set.
+    /// Appends four rows and returns them; the caller sets all their entries.
     #[inline(always)]
     pub(crate) fn push_packet(&mut self) -> [&mut [f64]; LANES] {
         let (start, width, count) = (self.rows.len(), self.width, self.count);

@@ -1,6 +1,6 @@
-//! Linear algebra of the solver: small matrices, banded, dense and sparse factorisations, symmetric products, vector registers.
+//! Linear algebra of the solver: small matrices; banded, dense and sparse factorisations; symmetric products; SIMD registers.
 //!
-//! In: numbers. Out: numbers. Independent of lattices.
+//! In: matrices and right-hand sides. Out: products, factors, solutions. Independent of lattices.
 
 pub(super) mod band_storage;
 pub(super) mod cholesky;

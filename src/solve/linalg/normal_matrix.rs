@@ -11,13 +11,13 @@ use crate::solve::cancel::Cancel;
 use faer::Mat;
 use pulp::{Simd, WithSimd};
 
-/// The lower half of a symmetric #handles × #handles matrix; column j holds rows j..=j+band, then zeros.
+/// The lower half of a symmetric #handles × #handles matrix. Column j holds rows j..=j+band, then zeros.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalMatrix {
     pub(crate) size: usize,
     pub(super) band: usize,
     pub(super) columns: Vec<f64>,
-    /// Subtracted: Σ weight · column columnᵀ, dense but of low rank.
+    /// Low-rank part to subtract: Σ weight · column columnᵀ.
     pub(super) downdates: Vec<(f64, Vec<f64>)>,
 }
 
@@ -28,7 +28,7 @@ impl NormalMatrix {
         Self { size, band, columns: vec![0.0; size * stride(band)], downdates: Vec::new() }
     }
 
-    /// The same matrix with room for rows of a larger extent.
+    /// A copy with at least this bandwidth.
     pub(crate) fn widened(&self, band: usize) -> Self {
         let mut wide = Self { downdates: self.downdates.clone(), ..Self::zero(self.size, band.max(self.band)) };
         let (from, to) = (stride(self.band), stride(wide.band));
@@ -38,13 +38,13 @@ impl NormalMatrix {
         wide
     }
 
-    /// The band is full, and rows with `shared` handles each have all handles, as
-    /// [`Self::add_syrk`] requires. A model within one cell has a few handles only.
+    /// Whether the band is full and every row has `shared` = #handles handles, as [`Self::add_syrk`] requires. The rows of a
+    /// model inside one cell have a few handles only.
     pub(crate) fn is_full(&self, shared: usize) -> bool {
         self.band + 1 >= self.size && shared == self.size
     }
 
-    /// Adds scale · aᵀb, known to be symmetric. Dense matrices only.
+    /// Adds scale · aᵀb, which must be symmetric, to a dense matrix.
     pub(crate) fn add_syrk(&mut self, scale: f64, rows: &mut impl SyrkRows, cancel: &Cancel) {
         syrk::add_syrk(&mut self.columns, [self.size, stride(self.band)], (scale, rows), cancel);
     }
@@ -72,11 +72,11 @@ impl NormalMatrix {
         }
     }
 
-    /// Adds scale times a Gram matrix; `rows`: indices of its columns, ascending.
+    /// Adds a Gram matrix times a scale. `rows` are the indices of its columns, ascending.
     #[inline(always)]
     pub(crate) fn add_gram(&mut self, scale: f64, rows: &[usize], gram: &GramMatrix) {
         let stride = stride(self.band);
-        // Rows come in runs of consecutive indices, over which loops vectorise.
+        // Rows form runs of consecutive indices, over which loops vectorise.
         let runs: Vec<&[usize]> = rows.chunk_by(|a, b| a + 1 == *b).collect();
         let mut b = 0;
         for (number, &run) in runs.iter().enumerate() {
@@ -94,13 +94,13 @@ impl NormalMatrix {
         }
     }
 
-    /// Subtracts weight · column columnᵀ for each column (#handles); the matrix has to stay positive definite.
+    /// Subtracts weight · column columnᵀ for each column (#handles). The matrix has to stay positive definite.
     pub(crate) fn downdate(&mut self, weight: f64, columns: &[Vec<f64>]) {
         self.downdates.extend(columns.iter().map(|column| (weight, column.clone())));
     }
 
-    /// The Kronecker product with the identity of D coordinates; rows are D·handle + coordinate. `memory` is
-    /// reused, because fresh pages cost as much as the factorisation.
+    /// The Kronecker product with the identity of D coordinates; row D·handle + coordinate. `memory` is reused, because the first
+    /// access to fresh pages costs as much as the factorisation.
     pub(crate) fn kron_identity<const D: usize>(&self, mut memory: Vec<f64>) -> Self {
         let (size, band) = (D * self.size, D * (self.band + 1) - 1);
         let wide = stride(band);
@@ -121,7 +121,7 @@ impl NormalMatrix {
         kron_identity
     }
 
-    /// A copy with capacity for the last panel of its factor.
+    /// A copy with capacity for the padding of its factor's last panel.
     pub(super) fn padded(&self) -> Self {
         let mut columns = Vec::with_capacity(padded_length(self.size, self.band));
         columns.extend_from_slice(&self.columns);
@@ -138,8 +138,8 @@ impl NormalMatrix {
         }
     }
 
-    /// Fused multiply-adds of a factorisation of the matrix of `repeats` coordinates, and of a solve
-    /// with it for one right side.
+    /// Fused multiply-adds of a factorisation of the matrix over `repeats` coordinates, and of a solve with it for one right-hand
+    /// side.
     pub(crate) fn flops(&self, repeats: usize) -> [f64; 2] {
         let (size, band) = ((repeats * self.size) as f64, (repeats * (self.band + 1) - 1) as f64);
         if self.is_banded_enough() {
@@ -148,7 +148,7 @@ impl NormalMatrix {
         [size * size * size / 6.0, size * size]
     }
 
-    /// Mean of the diagonal.
+    /// Mean of the diagonal, without downdates.
     pub(crate) fn mean_diagonal(&self) -> f64 {
         self.diagonal().iter().sum::<f64>() / self.size.max(1) as f64
     }
@@ -158,7 +158,7 @@ impl NormalMatrix {
         self.columns.iter().step_by(stride(self.band)).take(self.size).copied().collect()
     }
 
-    /// The columns of the lower half from the diagonal on, with downdates applied, as a matrix with a full band.
+    /// The columns of the lower half from the diagonal on, with downdates applied, in the storage of a full band.
     pub(super) fn dense_columns(&self) -> Vec<f64> {
         let (full, wide) = (self.full(), stride(self.size - 1));
         let mut columns = vec![0.0; self.size * wide];
@@ -168,7 +168,7 @@ impl NormalMatrix {
         columns
     }
 
-    /// The lower half in faer's storage; zero above the diagonal.
+    /// The lower half with downdates applied, in faer's storage; zero above the diagonal.
     pub(crate) fn full(&self) -> Mat<f64> {
         let mut full = Mat::zeros(self.size, self.size);
         for (j, column) in self.columns.chunks_exact(stride(self.band)).enumerate() {
@@ -185,7 +185,7 @@ impl NormalMatrix {
     }
 }
 
-/// Subtracts the product of the columns with `x` from `y`.
+/// Subtracts the product of the banded part with `x` from `y`.
 struct SubtractMatvec<'a, const D: usize> {
     normal: &'a NormalMatrix,
     x: &'a [[f64; D]],
@@ -221,7 +221,7 @@ impl<const D: usize> WithSimd for SubtractMatvec<'_, D> {
     }
 }
 
-/// Writes every number followed by D − 1 zeros, and zeros to the end.
+/// Writes every number followed by D − 1 zeros, and fills the rest with zeros.
 fn spread<const D: usize>(numbers: &[f64], slots: &mut [f64]) {
     let (used, rest) = slots.split_at_mut(D * numbers.len());
     for (slots, &x) in used.as_chunks_mut::<D>().0.iter_mut().zip(numbers) {
@@ -230,16 +230,16 @@ fn spread<const D: usize>(numbers: &[f64], slots: &mut [f64]) {
     rest.fill(0.0);
 }
 
-/// Up to this size the banded factorisation is faster for any bandwidth.
+/// Below this size the banded factorisation is faster for any bandwidth.
 pub(super) const SMALL: usize = 48;
 
-/// Largest minus smallest.
+/// Largest number minus smallest; `None` if there are none.
 pub(crate) fn index_extent(numbers: impl Iterator<Item = usize> + Clone) -> Option<usize> {
     Some(numbers.clone().max()? - numbers.min()?)
 }
 
 impl NormalMatrix {
-    /// Banded factorisation is faster where the bandwidth is well below the size; otherwise faer's dense kernels are.
+    /// Whether the banded factorisation is faster than faer's dense kernels: the bandwidth is well below the size.
     pub(crate) fn is_banded_enough(&self) -> bool {
         self.size < SMALL || self.band * 2 < self.size
     }

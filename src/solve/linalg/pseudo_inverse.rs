@@ -1,29 +1,30 @@
 //! Pseudo-inverses of symmetric positive semidefinite matrices. Crate faer.
 //!
-//! In: a matrix, any order. Out: its pseudo-inverse, and by how much it leaves directions out. They fade out with their eigenvalue,
-//! so that the pseudo-inverse is a continuous function of the matrix.
+//! In: a matrix of any size. Out: its pseudo-inverse, and the projection onto the directions that it omits. Directions fade out
+//! with decreasing eigenvalue, so that the pseudo-inverse is a continuous function of the matrix.
 
 use super::band_storage::stride;
 use super::cholesky::Cholesky;
 use crate::solve::cancel::{Cancel, Cancelled};
 use faer::{Mat, Side};
 
-/// Up to this size eigenvectors are as fast as an inverse, and always known.
+/// Up to this size eigenvectors are computed at once: that is as fast as an inverse, and works for every matrix.
 const MAX_EIGEN: usize = 128;
 
-/// Right sides that are solved for together.
+/// Number of right-hand sides that are solved together.
 const BATCH: usize = 8;
 
 /// A pseudo-inverse.
 pub(crate) struct PseudoInverse {
-    /// Row by row.
+    /// The pseudo-inverse, row by row.
     pub(crate) inverse: Vec<f64>,
-    /// Σ (1 − share) v vᵀ over the eigenvectors v, row by row; share: see [`kept_share`]; empty where nothing is left out.
+    /// Σ (1 − share) v vᵀ over the eigenvectors v, row by row, with the share of [`kept_share`]; empty if no direction is
+    /// omitted.
     pub(crate) dropped: Vec<f64>,
 }
 
 impl PseudoInverse {
-    /// Inverts a matrix (size x size) in all directions but those whose eigenvalue is below `cutoff` times the largest, which fade out.
+    /// Inverts a matrix (size x size). Directions whose eigenvalue is below `cutoff` times the largest fade out.
     pub(crate) fn new(entries: &[f64], size: usize, cutoff: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
         let symmetric = |i: usize, j: usize| 0.5 * (entries[i * size + j] + entries[j * size + i]);
         if size > MAX_EIGEN
@@ -65,10 +66,10 @@ impl PseudoInverse {
     }
 }
 
-/// Directions fade out between a limit and this part of it.
+/// Fraction of the limit at which a direction has faded out.
 const FADE: f64 = 0.1;
 
-/// How much of a direction is kept: all from the limit on, nothing below a tenth of it, smoothly in the logarithm between.
+/// The fraction of a direction that is kept: 1 from the limit on, 0 below a tenth of it, smooth in the logarithm between.
 pub(crate) fn kept_share(value: f64, limit: f64) -> f64 {
     if value >= limit {
         return 1.0;
@@ -80,7 +81,7 @@ pub(crate) fn kept_share(value: f64, limit: f64) -> f64 {
     t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }
 
-/// The inverse where every eigenvalue is above `cutoff` times the largest, which the norms of matrix and inverse prove.
+/// The inverse, if the norms of matrix and inverse prove that every eigenvalue is above `cutoff` times the largest.
 fn inverse_of_well_conditioned(
     entry: &impl Fn(usize, usize) -> f64,
     size: usize,
@@ -110,7 +111,7 @@ fn inverse_of_well_conditioned(
             return Err(Cancelled);
         }
     }
-    // The least eigenvalue is at least 1/‖inverse‖, the largest at most ‖matrix‖ (Frobenius norms).
+    // The smallest eigenvalue is at least 1/‖inverse‖, the largest at most ‖matrix‖ (Frobenius norms).
     let inverse_norm = inverse.iter().map(|x| x * x).sum::<f64>().sqrt();
     Ok((inverse_norm * norm * cutoff < 1.0).then_some(inverse))
 }
@@ -119,7 +120,7 @@ fn inverse_of_well_conditioned(
 mod tests {
     use super::*;
 
-    /// A matrix of given size whose eigenvalues run from 1 down to `least`, by a reflection.
+    /// A dense matrix with one eigenvalue `least` and the others between 1/2 and 1, made by a Householder reflection.
     fn matrix(size: usize, least: f64) -> Vec<f64> {
         let axis: Vec<f64> = (0..size).map(|k| 1.0 + (k as f64).sin()).collect();
         let square: f64 = axis.iter().map(|x| x * x).sum();

@@ -1,16 +1,16 @@
-//! Vector registers of four numbers: loads, stores, fused sums, and the choice of an instruction set. Crate pulp.
+//! SIMD registers of four numbers: loads, stores, fused multiply-adds, and the choice of the instruction set. Crate pulp.
 //!
 //! All code paths use fused multiply-add, so results have the same bits on every processor.
 
 use pulp::{Simd, WithSimd};
 
-/// Rows that are computed together.
+/// Number of rows that are computed together.
 pub(crate) const LANES: usize = 4;
 
 /// One number for each of four rows.
 pub(crate) type Lanes = [f64; LANES];
 
-/// Runs a kernel with the widest registers of four numbers that the processor has.
+/// Runs a kernel with AVX2 if the processor has it, else with scalar emulation of four lanes.
 pub(crate) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
@@ -19,18 +19,18 @@ pub(crate) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
     Simd::vectorize(pulp::Scalar256b, kernel)
 }
 
-/// The matrix of one of four rows.
+/// The matrix in one of four lanes.
 pub(crate) fn lane_of<const D: usize>(lanes: &[[Lanes; D]; D], lane: usize) -> [[f64; D]; D] {
     lanes.map(|row| row.map(|x| x[lane]))
 }
 
-/// Four numbers as a register. Both instruction sets of [`dispatch`] have exactly four lanes.
+/// Loads four numbers. Both instruction sets of [`dispatch`] have exactly four lanes.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
     S::as_simd_f64s(lanes).0[0]
 }
 
-/// A register as four numbers.
+/// Stores a register as four numbers.
 #[inline(always)]
 pub(crate) fn store<S: Simd>(register: S::f64s) -> Lanes {
     let mut lanes = [0.0; LANES];

@@ -1,6 +1,6 @@
 //! Algebra of 2 x 2, 3 x 3 and 4 x 4 matrices: eigenvectors, best rotations, singular values.
 //!
-//! In: row-major matrices, `m[row][column]`. Out: the same. Nothing fails; zero matrices give the identity.
+//! In: row-major matrices, `m[row][column]`. Out: the same. Nothing fails; the best rotation of a zero matrix is the identity.
 
 /// A square matrix, row-major.
 pub(crate) type SquareMatrix<const N: usize> = [[f64; N]; N];
@@ -35,7 +35,7 @@ pub(crate) fn minus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-/// Distance of two points.
+/// Distance between two points.
 pub(crate) fn distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let gap = minus(a, b);
     dot(&gap, &gap).sqrt()
@@ -66,7 +66,7 @@ pub(crate) fn symmetric_eigen<const N: usize>(m: &SquareMatrix<N>) -> ([f64; N],
     for _ in 0..30 {
         let off: f64 = (0..N).map(|p| (p + 1..N).map(|q| a[p][q] * a[p][q]).sum::<f64>()).sum();
         let on: f64 = (0..N).map(|p| a[p][p] * a[p][p]).sum();
-        // 1e-34 is far below the rounding of the squares.
+        // 1e-34 is far below the rounding error of the squares.
         if off.is_nan() || off <= 1e-34 * on {
             break;
         }
@@ -79,7 +79,7 @@ pub(crate) fn symmetric_eigen<const N: usize>(m: &SquareMatrix<N>) -> ([f64; N],
     (std::array::from_fn(|k| a[k][k]), vectors)
 }
 
-/// One Jacobi rotation that clears a[p][q].
+/// A Jacobi rotation that makes a[p][q] zero.
 fn rotate_pair<const N: usize>(a: &mut SquareMatrix<N>, vectors: &mut SquareMatrix<N>, [p, q]: [usize; 2]) {
     if a[p][q] == 0.0 {
         return;
@@ -96,7 +96,7 @@ fn rotate_pair<const N: usize>(a: &mut SquareMatrix<N>, vectors: &mut SquareMatr
     a[q] = std::array::from_fn(|k| s * above[k] + c * below[k]);
 }
 
-/// The symmetric root of a positive semidefinite matrix; negative eigenvalues (rounding) count as zero.
+/// The symmetric square root of a positive semidefinite matrix; eigenvalues that rounding makes negative count as zero.
 pub(crate) fn symmetric_root<const N: usize>(m: &SquareMatrix<N>) -> SquareMatrix<N> {
     let (values, vectors) = symmetric_eigen(m);
     let roots = values.map(|value| value.max(0.0).sqrt());
@@ -105,7 +105,7 @@ pub(crate) fn symmetric_root<const N: usize>(m: &SquareMatrix<N>) -> SquareMatri
     })
 }
 
-/// The rotation R that maximises tr(R S); S = Σ w (rest edge)(moved edge)ᵀ. The identity where S is zero.
+/// The rotation R that maximises tr(R S), S = Σ w (rest edge)(moved edge)ᵀ; the identity if S is zero or not finite.
 pub(crate) fn best_rotation<const D: usize>(s: &SquareMatrix<D>) -> SquareMatrix<D> {
     match D {
         2 => best_rotation_2d(s),
@@ -135,8 +135,8 @@ fn best_rotation_2d<const D: usize>(s: &SquareMatrix<D>) -> SquareMatrix<D> {
     rotation
 }
 
-/// In 3D: the unit quaternion that maximises a quadratic form (B. K. P. Horn, "Closed-form solution of absolute
-/// orientation using unit quaternions", 1987). Never a reflection; the smallest singular direction is the one that flips.
+/// In 3D: the unit quaternion that maximises a quadratic form (B. K. P. Horn, "Closed-form solution of absolute orientation using
+/// unit quaternions", 1987). The result is never a reflection; the direction of the smallest singular value flips instead.
 fn best_rotation_3d<const D: usize>(s: &SquareMatrix<D>) -> SquareMatrix<D> {
     let size: f64 = s.iter().flatten().map(|x| x.abs()).sum();
     if !(size > 0.0 && size.is_finite()) {
@@ -167,7 +167,7 @@ fn from_quaternion<const D: usize>([w, x, y, z]: [f64; 4]) -> SquareMatrix<D> {
     std::array::from_fn(|row| std::array::from_fn(|column| rows[row][column]))
 }
 
-/// A fraction of a rotation: the same axis, `share` of the angle, which lies within ±π.
+/// A fraction of a rotation: the same axis, and `share` times the angle, which is taken within ±π.
 pub(crate) fn rotation_part<const D: usize>(rotation: &SquareMatrix<D>, share: f64) -> SquareMatrix<D> {
     if D == 2 {
         let (sin, cos) = (share * rotation[1][0].atan2(rotation[0][0])).sin_cos();
@@ -185,7 +185,7 @@ pub(crate) fn rotation_part<const D: usize>(rotation: &SquareMatrix<D>, share: f
     from_quaternion([cos, x, y, z])
 }
 
-/// The unit quaternion (w, x, y, z) of a 3D rotation, w ≥ 0: the largest of the four columns of 4 q qᵀ.
+/// The unit quaternion (w, x, y, z) of a 3D rotation with w ≥ 0, from the largest of the four columns of 4 q qᵀ.
 fn quaternion<const D: usize>(m: &SquareMatrix<D>) -> [f64; 4] {
     let (x, y, z) = (m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]);
     let (xy, yz, zx) = (m[1][0] + m[0][1], m[2][1] + m[1][2], m[0][2] + m[2][0]);
@@ -208,11 +208,11 @@ pub(crate) fn singular_values<const D: usize>(u: &[f64; D], v: &[f64; D]) -> [f6
     let area = area_of(u, v);
     let mean = 0.5 * (uu + vv);
     let largest = (mean + (0.5 * (uu - vv)).hypot(uv)).sqrt();
-    // s1·s2 = area: no cancellation for slivers.
+    // s1·s2 = area, which avoids cancellation for slivers.
     [largest, if largest > 0.0 { area / largest } else { 0.0 }]
 }
 
-/// Area of the parallelogram that u and v span.
+/// Area of the parallelogram spanned by u and v.
 pub(crate) fn area_of<const D: usize>(u: &[f64; D], v: &[f64; D]) -> f64 {
     let mut squares = 0.0;
     for a in 0..D {
@@ -228,7 +228,7 @@ mod tests {
     use super::*;
     use serde_json::Value;
 
-    /// Reference values of an independent program, or nothing where they are absent.
+    /// Reference values computed by an independent program; `None` if they are absent.
     fn units() -> Option<Value> {
         let shared = std::env::var_os("PINWARP_SHARED")
             .unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared").into());

@@ -1,7 +1,8 @@
-//! Sparse Cholesky: over the vertices of meshes, and for wide bands with few entries, whose factor would fill them. Crate faer, with its
-//! approximate minimum degree ordering (P. Amestoy, T. Davis and I. Duff, "An Approximate Minimum Degree Ordering Algorithm", 1996).
+//! Sparse Cholesky factorisation, for meshes and for wide bands with few entries, which a banded factor would fill. Crate faer,
+//! with its approximate minimum degree ordering (P. Amestoy, T. Davis and I. Duff, "An Approximate Minimum Degree Ordering
+//! Algorithm", 1996).
 //!
-//! In: the lower half of a symmetric positive definite matrix. Out: its solutions.
+//! In: the lower half of a symmetric positive definite matrix. Out: solutions for its right-hand sides.
 
 use super::band_storage::stride;
 use super::normal_matrix::NormalMatrix;
@@ -10,10 +11,10 @@ use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat, Triplet};
 use faer::{Mat, Side};
 
-/// Multiply-adds of a banded factorisation, twice, from which on a sparse one can be faster.
+/// Smallest size · bandwidth² (twice the multiply-adds of a banded factorisation) for which a sparse factorisation is considered.
 const WIDE: f64 = 2e9;
 
-/// A sparse factorisation is faster where at most this share of the band has entries.
+/// Largest fraction of entries in the band for which a sparse factorisation is faster.
 const SPARSE: f64 = 0.1;
 
 /// A factored sparse matrix.
@@ -23,7 +24,7 @@ pub(crate) struct SparseFactor {
 }
 
 impl SparseFactor {
-    /// Factors the matrix with these entries, row ≥ column; entries at one place add up. `None` where it is not positive
+    /// Factors the matrix with these entries, row ≥ column; entries in the same position add up. `None` if it is not positive
     /// definite.
     pub(crate) fn new(size: usize, entries: &[(usize, usize, f64)]) -> Option<Self> {
         let entries: Vec<_> = entries.iter().map(|&(row, column, value)| Triplet::new(row, column, value)).collect();
@@ -31,7 +32,7 @@ impl SparseFactor {
         Some(Self { factor: matrix.sp_cholesky(Side::Lower).ok()? })
     }
 
-    /// The entries of a matrix whose band is wide, with few entries; `None`: a banded factorisation is preferable.
+    /// The entries of a matrix with a wide band and few entries; `None` if a banded factorisation is preferable.
     pub(super) fn entries(normal: &NormalMatrix) -> Option<SparseColMat<usize, f64>> {
         let (size, band) = (normal.size, normal.band);
         if size as f64 * (band as f64).powi(2) < WIDE || !normal.downdates.is_empty() {
@@ -41,7 +42,7 @@ impl SparseFactor {
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         for (j, column) in normal.columns.chunks_exact(stride(band)).take(size).enumerate() {
             for (k, &value) in column[..=band.min(size - 1 - j)].iter().enumerate() {
-                // The diagonal is there even where it is zero: the factorisation then says that it is singular.
+                // A zero on the diagonal is stored too, so that the factorisation detects that the matrix is singular.
                 if value != 0.0 || k == 0 {
                     rows.push(j + k);
                     values.push(value);
@@ -56,7 +57,7 @@ impl SparseFactor {
         Some(SparseColMat::new(pattern, values))
     }
 
-    /// Factors a matrix by its entries; `None` where it is not positive definite, or holds a NaN.
+    /// Factors a matrix given by its entries; `None` if it is not positive definite or contains a NaN.
     pub(super) fn of(entries: &SparseColMat<usize, f64>) -> Option<Self> {
         if !entries.val().iter().all(|value| value.is_finite()) {
             return None;
@@ -65,7 +66,7 @@ impl SparseFactor {
         Some(Self { factor: Llt::try_new_with_symbolic(pattern, entries.as_ref(), Side::Lower).ok()? })
     }
 
-    /// Solves in place for D right sides.
+    /// Solves in place for D right-hand sides.
     pub(crate) fn solve<const D: usize>(&self, x: &mut [[f64; D]]) {
         let solved = self.factor.solve(Mat::from_fn(x.len(), D, |row, column| x[row][column]));
         for (row, values) in x.iter_mut().enumerate() {
@@ -80,7 +81,7 @@ mod tests {
     use crate::solve::cancel::Cancel;
     use crate::solve::linalg::factorization::Factorization;
 
-    /// Chains of coupled unknowns, numbered crosswise: a wide band with few entries.
+    /// Chains of coupled unknowns. They are numbered across the chains, so the band is wide with few entries.
     fn crosswise(diagonal: f64) -> NormalMatrix {
         let (chains, length) = (1200, 4);
         let mut normal = NormalMatrix::zero(chains * length, chains);

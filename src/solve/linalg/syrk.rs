@@ -1,7 +1,7 @@
 //! Symmetric products aᵀb of tall matrices, added to a dense [`NormalMatrix`] or to part of a matrix that is being factored.
 //!
-//! In: rows of a and b, a few at a time. Out: the lower half of the product. a and b are never complete in memory: what
-//! is multiplied stays in the second-level cache.
+//! In: rows of a and b, one batch at a time. Out: the lower half of the product. a and b are never complete in memory: a batch
+//! stays in the second-level cache.
 
 use super::simd::{LANES, dispatch, load, multiply_add};
 use crate::solve::cancel::{Cancel, WorkMeter};
@@ -10,8 +10,8 @@ use pulp::{Simd, WithSimd};
 /// Rows per batch.
 const ROWS: usize = 120;
 
-/// Columns of b and of a per tile of the product: its twelve registers, two of b and one of a are one less than
-/// there are.
+/// Columns of b (`TALL`) and of a (`WIDE`) per tile of the product. Its twelve registers, two of b and one of a are 15 of the 16
+/// registers.
 const TALL: usize = 2 * LANES;
 const WIDE: usize = 6;
 
@@ -20,15 +20,15 @@ pub(crate) trait SyrkRows {
     /// Number of rows.
     fn count(&self) -> usize;
 
-    /// Writes a row of a and the same row of b, #handles each. [`ROW_PADDING`] more numbers may be written; they are not
-    /// reads.
+    /// Writes a row of a and the same row of b, #handles each. The [`ROW_PADDING`] numbers behind each may be overwritten; they
+    /// are never read.
     fn write<S: Simd>(&mut self, simd: S, row: usize, pair: [&mut [f64]; 2]);
 }
 
-/// Numbers after a row that may be written to.
+/// Numbers behind a row that may be overwritten.
 pub(crate) const ROW_PADDING: usize = LANES;
 
-/// Adds scale · aᵀb, known to be symmetric, to the lower half of a dense matrix of `size` columns, `stride` apart, each from
+/// Adds scale · aᵀb, which must be symmetric, to the lower half of a dense matrix of `size` columns, `stride` apart, each from
 /// the diagonal on.
 pub(super) fn add_syrk(
     columns: &mut [f64],
@@ -82,7 +82,7 @@ pub(super) struct PackedPanels {
 }
 
 impl PackedPanels {
-    /// Capacity for `depth` rows of `width` columns.
+    /// Allocates for `depth` rows of `width` columns.
     pub(super) fn new(depth: usize, width: usize) -> Self {
         let [wide, tall] = [WIDE, TALL].map(|side| vec![0.0; depth * width.next_multiple_of(side)]);
         Self { depth, width, wide, tall }
@@ -156,7 +156,7 @@ fn product<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> [[S::f64s; 2]; WIDE] {
     tile
 }
 
-/// Adds a multiple of the entries of a tile at and below the diagonal.
+/// Adds the entries of a tile at and below the diagonal, times a scale.
 #[inline(always)]
 fn add_tile<S: Simd>(
     simd: S,
@@ -200,7 +200,7 @@ mod tests {
         fn write<S: Simd>(&mut self, _: S, row: usize, [a, b]: [&mut [f64]; 2]) {
             a[..self.0[row].len()].copy_from_slice(&self.0[row]);
             b[..self.1[row].len()].copy_from_slice(&self.1[row]);
-            // Padding may have any value.
+            // The padding may have any value.
             a[self.0[row].len()] = f64::NAN;
         }
     }
@@ -221,7 +221,7 @@ mod tests {
                     assert!((found - wanted).abs() < 1e-12 * count as f64, "{size} {count} {row} {column}");
                 }
             }
-            // What lies below the last row stays as it is.
+            // Storage below the last row is unchanged.
             for column in 0..size {
                 let beyond = &normal.columns[column * stride(normal.band)..][size - column..stride(normal.band)];
                 assert!(beyond.iter().all(|&x| x == 0.0));

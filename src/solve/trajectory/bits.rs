@@ -1,17 +1,18 @@
-//! A trajectory as bytes and back, bit for bit.
+//! Serialisation of a trajectory to bytes, without loss.
 //!
-//! In: a [`Trajectory`]. Out: little-endian bytes: 64-bit counts, 64-bit floats by their bits; and the trajectory again. What is not
-//! such bytes is refused, never misread: a count is believed only where so many bytes follow.
+//! In: a [`Trajectory`], or its bytes. Out: little-endian bytes (counts as 64-bit integers, floats as their IEEE 754 bits), or
+//! the trajectory. Malformed bytes are refused. A count is checked against the number of remaining bytes before anything of that
+//! size is read.
 
 use super::displacement::Displacement;
 use super::{Coupling, Spread, Trajectory};
 use crate::solve::branching::CopyName;
 
-/// Marks a knot at which nothing is solved.
+/// Stands in place of the number of handles for a knot without a state.
 const NOTHING: u64 = u64::MAX;
 
 impl<const D: usize> Trajectory<D> {
-    /// All of it as bytes.
+    /// Serialises the trajectory.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Bytes(Vec::new());
@@ -43,7 +44,7 @@ impl<const D: usize> Trajectory<D> {
         out.0
     }
 
-    /// The trajectory that [`Self::to_bytes`] wrote; `None` where the bytes are no such thing.
+    /// Reads the bytes written by [`Self::to_bytes`]; `None` if they are malformed, or of another dimension.
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = Reader(bytes);
@@ -83,7 +84,7 @@ impl Bytes {
     }
 }
 
-/// The bytes that are left.
+/// The bytes not read yet.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
@@ -93,13 +94,13 @@ impl Reader<'_> {
         Some(u64::from_le_bytes(*word))
     }
 
-    /// A number of things of at least `words` words each.
+    /// Reads the number of elements that follow, each at least `words` words long; `None` if the remaining bytes are too few.
     fn count(&mut self, words: usize) -> Option<usize> {
         let count = self.word()?;
         self.fitting(count, words)
     }
 
-    /// The count, where so much is left.
+    /// `count` as `usize`, if at least `count` times `words` words remain.
     fn fitting(&self, count: u64, words: usize) -> Option<usize> {
         let count = usize::try_from(count).ok()?;
         (count.checked_mul(words)? <= self.0.len() / 8).then_some(count)
@@ -182,7 +183,7 @@ mod tests {
         }
         assert_eq!(Trajectory::<2>::from_bytes(&[&bytes[..], &[0; 8]].concat()), None);
         assert_eq!(Trajectory::<3>::from_bytes(&bytes), None);
-        // Counts that no memory holds.
+        // Counts larger than any memory.
         for place in (0..bytes.len()).step_by(8) {
             let mut hostile = bytes.clone();
             hostile[place..place + 8].copy_from_slice(&(u64::MAX - 1).to_le_bytes());

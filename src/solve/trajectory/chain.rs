@@ -1,12 +1,16 @@
-//! The knots of a trajectory, solved together: Σ E(x_k) + Σ ω_k ‖d_{k+1} − d_k‖², d the displacement of the model's points.
+//! The knots of a trajectory, solved together: minimises Σ E(x_k) + Σ ω_k ‖d_{k+1} − d_k‖², d the displacements of the model's
+//! points.
 //!
-//! In: knots at their times. Out: their states, the weights ω and where they had to be raised.
+//! In: problems at the times of the knots. Out: the states of the knots and the weights ω.
 //!
-//! A pass forward continues every knot from the one before; block Gauss-Seidel sweeps, backward and forward in turn, then
-//! bring the sum to a minimum, so that no knot lags. Long chains are solved in windows: their first half is settled, the rest looks ahead. ω_k begins as the user's weight. Where the model moves farther between two
-//! knots than pins, surface and rigid fit give reason for, ω is raised over as many knots as that move needs: the multiplier of
-//! a limit of the speed (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots
-//! jumps, ω is raised until it does not.
+//! A forward pass solves every knot from the state of the previous one. Block Gauss-Seidel sweeps, alternately backward and
+//! forward, then minimise the sum, so that the motion does not lag behind the pins. Long chains are solved in overlapping
+//! windows: the first half of a window becomes final, the second half is solved again with the knots that follow.
+//!
+//! ω_k starts as the user's weight. It is raised in two cases. Where the model moves farther between two knots than the motion of
+//! pins, surface and rigid fit allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed
+//! limit (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots jumps, ω is
+//! raised until it is continuous.
 
 use super::continuity::{Interval, LEAST_DEPTH};
 use super::displacement::Displacement;
@@ -16,66 +20,70 @@ use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
 use rayon::prelude::*;
 
-/// A knot may move this many times as far as what gives reason to.
+/// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
 const FREEDOM: f64 = 2.0;
 
-/// Sweeps between two changes of weights, at most.
+/// Largest number of sweeps between two changes of the weights.
 const SWEEPS: usize = 40;
 
-/// Changes of weights, at most.
+/// Largest number of changes of the weights.
 const ROUNDS: usize = 30;
 
-/// A knot whose points move less than this part of the box diagonal does not disturb its neighbours.
+/// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
 
-/// The same while weights are still being raised: stiffly coupled knots converge slowly, and the next weights do not need more.
+/// Same as [`TOLERANCE`] while weights are still being raised. Stiffly coupled knots converge slowly, and choosing the next
+/// weights needs no more accuracy.
 const COARSE_TOLERANCE: f64 = 3e-4;
 
-/// An interval holds a proximal term of at least eight times its weight; this much of it has to make the energy convex.
+/// Multiple of an interval's weight with which the energy has to be convex for the search for jumps to be skipped. The proximal
+/// term inside an interval has at least eight times the weight of the interval.
 const CONVEX_SHARE: f64 = 2.0;
 
-/// A weight is at least this part of its neighbours'.
+/// Smallest ratio of a weight to those of the neighbouring intervals.
 const TAPER: f64 = 0.5;
 
-/// Finer lattices are not searched for jumps between knots: a single solve takes a good part of a second, and an interval may need a hundred.
+/// Lattices with more handles are not searched for jumps: one solve takes a large part of a second, and an interval may need a
+/// hundred.
 const MAX_SEARCHED_HANDLES: usize = 1500;
 
-/// Motion whose speed changes by less than this from knot to knot, in least speeds, is steady.
+/// The motion is steady where its speed changes by less than this from knot to knot, in units of the least speed.
 const STEADY: f64 = 2.0;
 
-/// Motion that is even to this part of the least speed has no jump.
+/// Tolerance of the search for jumps, as a fraction of the least speed.
 const EVEN: f64 = 0.25;
 
-/// Doublings of a weight until the motion is continuous, at most.
+/// The search for a weight with continuous motion tries this many, each twice the one before.
 const DOUBLINGS: i32 = 16;
 
-/// A weight is raised by at most this factor in all: beyond it nothing moves that the points tell of.
+/// Largest weight that exceeding the speed limit can cause, as a multiple of the initial weight. Where the model still moves too
+/// far with this weight, the points do not capture its motion.
 const MOST: f64 = 1e5;
 
-/// Limits of the factor by which a weight is raised at once.
+/// Smallest and largest factor by which one change raises a weight because of the speed limit.
 const GROWTH: [f64; 2] = [1.5, 30.0];
 
-/// The knot of a time, without a state; `None` where there is no problem.
+/// Builds the unsolved knot of a time; `None` if there is no problem at that time.
 type Probe<'a, const D: usize> = &'a (dyn Fn(f64) -> Option<Knot<D>> + Sync);
 
-/// Knots and what couples them.
+/// A window of knots, coupled by the weights of the intervals between them.
 pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
-    /// Knots that were taken out.
+    /// Number of knots already removed by [`Self::take_front`].
     taken: usize,
-    /// Makes the knot of a time without a state; `None` where there is no problem.
+    /// Builds the unsolved knot of a time; `None` if there is no problem at that time.
     probe: Probe<'a, D>,
-    /// One an interval: ω, in squared units of the space.
+    /// ω of each interval, per squared unit of the space.
     pub(crate) weights: Vec<f64>,
-    /// Leading knots that are settled and stay as they are: none, or the last of the window before.
+    /// Number of leading knots that are final: 0 in the first window, then 1, the last knot of the previous window.
     settled: usize,
-    /// Knots that the pass forward has reached.
+    /// Number of knots that the forward pass has solved.
     passed: usize,
-    /// The weight they begin with.
+    /// Initial weight of every interval.
     pub(crate) weight: f64,
-    /// One an interval: how far points may move, in units of the space.
+    /// Speed limit of each interval: largest move of a point, in units of the space.
     limits: Vec<f64>,
-    /// One an interval: known to be continuous where its knots are.
+    /// Whether the motion in each interval is known to be continuous with the present states and weight.
     is_continuous: Vec<bool>,
     coupling: Coupling,
     /// Mean diagonal of the boxes.
@@ -85,7 +93,7 @@ pub(crate) struct Chain<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Chain<'a, D> {
-    /// Couples the first knots; they are not solved yet.
+    /// Creates the first window of knots; nothing is solved yet.
     pub(crate) fn new(
         knots: Vec<Option<Knot<D>>>,
         probe: Probe<'a, D>,
@@ -115,7 +123,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         chain
     }
 
-    /// Couples more knots.
+    /// Appends knots, and the intervals that lead to them.
     pub(crate) fn extend(&mut self, knots: Vec<Option<Knot<D>>>) {
         let first = self.weights.len();
         self.knots.extend(knots);
@@ -133,7 +141,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// Takes the first knots out, with the intervals that begin at them. The first knot that is left stays as it is.
+    /// Removes the first `count` knots and the intervals that begin at them. The first remaining knot becomes final.
     pub(crate) fn take_front(&mut self, count: usize) -> Vec<SettledKnot<D>> {
         let intervals = count.min(self.weights.len());
         let mut weights = self.weights.drain(..intervals);
@@ -152,7 +160,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         front
     }
 
-    /// Solves all knots; `passed` hears of each that the pass forward reaches.
+    /// Solves all knots. `passed` is called for each knot that the forward pass reaches.
     pub(crate) fn solve(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
         let first = self.passed;
         self.pass_forward(passed)?;
@@ -171,7 +179,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         if tolerance > TOLERANCE { self.settle(0, TOLERANCE) } else { Ok(()) }
     }
 
-    /// Every knot from the one before; the first, and one after a gap, alone.
+    /// Solves every knot from the state of the previous one; the first knot, and one after a gap, alone.
     fn pass_forward(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
         for index in self.passed..self.knots.len() {
             passed();
@@ -193,13 +201,14 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(())
     }
 
-    /// Sum of the weights at a knot.
+    /// Sum of the weights of the two intervals beside a knot.
     fn pull(&self, index: usize) -> f64 {
         let before = if index > 0 { self.weights[index - 1] } else { 0.0 };
         before + self.weights.get(index).copied().unwrap_or(0.0)
     }
 
-    /// Sweeps until no knot moves by more than `tolerance` box diagonals, beginning with the knot `first` and all after it.
+    /// Sweeps until no knot moves by more than `tolerance` box diagonals. Knots before `first - 1` are solved only if a neighbour
+    /// moves.
     fn settle(&mut self, first: usize, tolerance: f64) -> Result<(), SolveError> {
         let count = self.knots.len();
         let mut is_stale: Vec<bool> = (0..count).map(|index| index + 1 >= first).collect();
@@ -225,7 +234,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(())
     }
 
-    /// Minimises over one knot; how far its points moved.
+    /// Minimises over one knot with its neighbours fixed; returns the largest move of its points.
     fn relax(&mut self, index: usize) -> Result<f64, SolveError> {
         let weight = self.pull(index);
         if weight == 0.0 || index < self.settled {
@@ -244,8 +253,8 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(before.farthest(&knot.displacement))
     }
 
-    /// Raises the weights where the model moves too far between two knots, and, if `searches`, where its motion jumps; false where it
-    /// does neither.
+    /// Raises the weights where the model moves too far between two knots and, if `searches`, where its motion jumps. Returns
+    /// true if any weight has changed.
     fn tighten(&mut self, searches: bool) -> bool {
         let excess: Vec<f64> = (0..self.weights.len()).map(|index| self.excess(index)).collect();
         let mut raised = self.weights.clone();
@@ -266,7 +275,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         is_raised
     }
 
-    /// Weights fall off slowly from interval to interval: a snap must not hop to a neighbour that is weaker.
+    /// Raises weights beside higher ones to a fraction of these: a snap would otherwise move to the weaker neighbouring interval.
     fn taper(&self, raised: &mut [f64]) {
         let is_coupled = |index: usize| self.weights[index] > 0.0;
         for index in (1..raised.len()).filter(|&index| is_coupled(index)) {
@@ -277,14 +286,15 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The weights of all intervals, each doubled until no jump is found between its knots; as they are where the lattice is too fine to search.
+    /// The weights of all intervals, each doubled until no jump is found between its knots; unchanged if the lattice is too fine
+    /// for the search.
     fn continuous_weights(&mut self) -> Vec<f64> {
         let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
         if handles.max().is_some_and(|count| count > MAX_SEARCHED_HANDLES) {
             return self.weights.clone();
         }
         let (knots, weights, is_known) = (&self.knots, &self.weights, &self.is_continuous);
-        // First the states themselves, once for both intervals beside a knot.
+        // Convexity at the knots is computed first, because both adjacent intervals use it.
         let at_knot = |(index, knot): (usize, &Option<Knot<D>>)| {
             let beside = [index.checked_sub(1), Some(index)].map(|interval| Some(*weights.get(interval?)?));
             let least = beside.iter().flatten().copied().fold(f64::INFINITY, f64::min);
@@ -317,7 +327,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         weights
     }
 
-    /// How far an interval moves over its limit, as a ratio.
+    /// Ratio of the motion in an interval to its speed limit.
     fn excess(&self, index: usize) -> f64 {
         match &self.knots[index..=index + 1] {
             [Some(knot), Some(next)] => knot.displacement.farthest(&next.displacement) / self.limits[index],
@@ -325,7 +335,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The intervals around one over which a move of this length stays within the limits.
+    /// First and last of the intervals around `index` that are needed for a move of this length to stay within their limits.
     fn window(&self, index: usize, length: f64) -> [usize; 2] {
         let (mut first, mut last, mut sum) = (index, index, self.limits[index]);
         let is_coupled = |index: usize| self.weights.get(index).is_some_and(|&weight| weight > 0.0);
@@ -347,17 +357,17 @@ impl<'a, const D: usize> Chain<'a, D> {
     }
 }
 
-/// A knot that is done.
+/// A knot removed from the chain, with its final state.
 pub(crate) struct SettledKnot<const D: usize> {
-    /// Its state; `None` where nothing is solved.
+    /// The state; `None` if nothing is solved at the knot.
     pub(crate) state: Option<Displacement<D>>,
-    /// Which drawing it belongs to.
+    /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
-    /// The weight of the interval that begins at it; `None`: it is the last.
+    /// The weight of the interval that begins at the knot; `None` at the last knot.
     pub(crate) weight: Option<f64>,
 }
 
-/// Intervals whose motion is looked at, on any thread.
+/// The data that the search for jumps needs; shared by threads.
 struct Between<'a, const D: usize> {
     knots: &'a [Option<Knot<D>>],
     weights: &'a [f64],
@@ -367,13 +377,13 @@ struct Between<'a, const D: usize> {
 }
 
 impl<const D: usize> Between<'_, D> {
-    /// The weight of an interval, doubled until no jump is found in it; the initial one where no weight achieves that, because what jumps
-    /// lies where there are no points. Nothing is looked for where the energy is convex at both knots and halfway between them,
-    /// and the motion is steady around them.
+    /// The weight of an interval, doubled until no jump is found in it; the initial weight if none is large enough, because the
+    /// jump is in a region without points. The interval is not searched if the motion around it is steady and the energy is
+    /// convex at both knots and halfway between them.
     fn continuous_weight(&self, index: usize) -> f64 {
         let initial = self.weights[index];
         let [Some(knot), Some(next)] = &self.knots[index..=index + 1] else { return initial };
-        // Between two drawings nothing is continuous.
+        // Motion between two drawings is discontinuous on purpose.
         if knot.drawing != next.drawing {
             return initial;
         }
@@ -391,7 +401,7 @@ impl<const D: usize> Between<'_, D> {
         doublings.map_or(initial, weight)
     }
 
-    /// The speed hardly changes at the ends of an interval.
+    /// Whether the speed hardly changes at both ends of an interval.
     fn is_steady(&self, index: usize) -> bool {
         let state = |index: Option<usize>| Some(&self.knots.get(index?)?.as_ref()?.displacement);
         let is_steady = |at: usize| match [at.checked_sub(1), Some(at), Some(at + 1)].map(state) {

@@ -1,22 +1,24 @@
-//! Whether the motion between two knots is continuous: it is solved halfway between times, again and again, where it is not even.
+//! Search for jumps in the motion between two knots, by recursive bisection in time.
 //!
 //! In: two knots, the weight of their interval, the problem at any time between them. Out: whether a jump was found.
 //!
-//! Halfway between two times a smooth motion is near the mean of both states, and four times nearer with every halving; a jump
-//! of J stays off it by J / 2, however short the time (bisection: R. P. Brent, "Algorithms for Minimization without Derivatives", 1973).
+//! The state halfway between two times is compared with the mean of the states at these times. For smooth motion the difference
+//! falls by a factor of four with every halving; at a jump of length J it stays J / 2, however short the interval (bisection: R.
+//! P. Brent, "Algorithms for Minimization without Derivatives", 1973).
 
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use crate::solve::cancel::Cancel;
 
-/// Times are halved this often, whatever is found, where nothing speaks against a jump: one of all points could lie in the middle.
+/// Depth to which an interval is always bisected if a jump cannot be ruled out: a jump of all points could lie exactly in the
+/// middle.
 pub(crate) const LEAST_DEPTH: u32 = 2;
 
-/// Times are halved this often at most; what is not even then is a jump.
+/// Largest depth of the bisection; motion that is still uneven there is a jump.
 const MOST_DEPTH: u32 = 11;
 
-/// The weight of the square between two knots. Each interval has half of the energy of a time, as in the trapezoidal rule: the motion has no
-/// kinks at knots.
+/// Weight of the proximal term at the fraction `s` of an interval. Half of the energy of a time counts for each side, as in the
+/// trapezoidal rule, so that the motion has no kinks at knots.
 pub(super) fn weight_between(weight: f64, s: f64) -> f64 {
     2.0 * weight / (s * (1.0 - s))
 }
@@ -24,13 +26,13 @@ pub(super) fn weight_between(weight: f64, s: f64) -> f64 {
 /// The motion between two knots.
 pub(crate) struct Interval<'a, const D: usize> {
     ends: [&'a Displacement<D>; 2],
-    /// The problem at a part of the interval, 0 to 1, without a state; `None` where there is none.
+    /// Builds the unsolved problem at a fraction of the interval, 0 to 1; `None` if there is no problem.
     probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
-    /// The problems at the times asked for so far, by their part of the interval.
+    /// The problems built so far, with their fractions of the interval.
     probed: Vec<(f64, Option<Knot<D>>)>,
-    /// What is even to this distance is continuous, units of the space.
+    /// Largest difference between a state and the mean of its neighbours in continuous motion, in units of the space.
     tolerance: f64,
-    /// Times are halved this often, whatever is found.
+    /// Depth to which the interval is bisected in any case.
     least_depth: u32,
 }
 
@@ -44,13 +46,13 @@ impl<'a, const D: usize> Interval<'a, D> {
         Self { ends, probe, probed: Vec::new(), tolerance, least_depth }
     }
 
-    /// No jump is found between the knots with this weight.
+    /// Whether no jump is found between the knots with this weight.
     pub(crate) fn is_continuous(&mut self, weight: f64) -> bool {
         let ends = self.ends.map(Clone::clone);
         self.is_even([0.0, 1.0], &ends, weight, 0)
     }
 
-    /// The motion between two times is even, or becomes so where they are halved.
+    /// Whether the motion between two times is even, or becomes so under bisection.
     fn is_even(
         &mut self,
         [from, to]: [f64; 2],
@@ -76,7 +78,7 @@ impl<'a, const D: usize> Interval<'a, D> {
         true
     }
 
-    /// The state at a part of the interval, as [`super::Trajectory::solve_at`] finds it.
+    /// The state at a fraction of the interval, computed as by [`super::Trajectory::solve_at`].
     fn state(&mut self, part: f64, weight: f64) -> Option<Displacement<D>> {
         let place = match self.probed.iter().position(|(known, _)| *known == part) {
             Some(place) => place,

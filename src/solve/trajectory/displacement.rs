@@ -1,24 +1,27 @@
-//! How far a model is from where the rigid fit of its pins takes it: the state of a knot, which neighbouring times can start from.
+//! Displacements of a model from the rigid fit of its pins. They are the state of a knot, and start the solves of neighbouring
+//! times.
 //!
-//! In: displacements of handles, or of copies of handles, and of points. Out: displacements between two, and those of other copies.
+//! In: displacements of handles, or of copies of handles, and of points. Out: interpolated displacements, and displacements
+//! assigned to other copies.
 
 use crate::solve::branching::CopyName;
 use crate::solve::linalg::small_matrix::distance;
 use std::collections::BTreeMap;
 
-/// How far handles and points of the model are from where the rigid fit of the pins takes them.
+/// Displacements of handles and points of the model from their images under the rigid fit of the pins.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Displacement<const D: usize> {
-    /// #handles, or #copies.
+    /// Displacements of handles, #handles, or of copies, #copies.
     pub(crate) handles: Vec<[f64; D]>,
-    /// The names of copies; empty where every handle is one unknown.
+    /// Names of the copies; empty if every handle is one unknown.
     pub(crate) copies: Vec<CopyName>,
-    /// #points.
+    /// Displacements of the points, #points.
     pub(crate) points: Vec<[f64; D]>,
 }
 
 impl<const D: usize> Displacement<D> {
-    /// (1 − t) · self + t · to. Copies that `to` does not have go as they are: whoever starts from them fits them to the points.
+    /// Linear interpolation (1 − t) · self + t · to, over the copies of `self`. A copy that `to` does not have keeps its
+    /// displacement; a solve that starts from the result fits it to the points.
     pub(crate) fn interpolated(&self, to: &Self, t: f64) -> Self {
         let points = mix(&self.points, &to.points, t);
         if self.copies == to.copies {
@@ -30,12 +33,13 @@ impl<const D: usize> Displacement<D> {
         Self { handles: mix(&self.handles, &ends, t), copies: self.copies.clone(), points }
     }
 
-    /// Farthest that a point moves to another displacement.
+    /// Largest distance between corresponding points.
     pub(crate) fn farthest(&self, to: &Self) -> f64 {
         self.points.iter().zip(&to.points).map(|(a, b)| distance(a, b)).fold(0.0, f64::max)
     }
 
-    /// The displacements of other copies, `count` of them (no names: of handles): of the same name, or the only one of the same handle.
+    /// Displacements for `count` other copies, by name: that of the copy with the same name, or of the only copy of the same
+    /// handle. If `names` is empty, the unknowns are handles.
     pub(crate) fn handles_by_name(&self, names: &[CopyName], count: usize) -> Vec<Option<[f64; D]>> {
         let mut by_handle: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for index in 0..self.handles.len() {
@@ -69,7 +73,7 @@ mod tests {
     fn copies_find_their_own_or_the_only_one_of_their_handle() {
         let copies = vec![name(0, 3), name(1, 3), name(1, 8)];
         let state = Displacement { handles: vec![[1.0], [2.0], [3.0]], copies, points: Vec::new() };
-        // One that splits, one that has changed its name among others, one that stays, one of a handle that had none.
+        // A copy of a handle that splits, one renamed while its handle has others, one unchanged, one of a handle that had none.
         let wanted = [name(0, 3), name(0, 7), name(1, 5), name(1, 8), name(2, 3)];
         let found = state.handles_by_name(&wanted, wanted.len());
         assert_eq!(found, [Some([1.0]), Some([1.0]), None, Some([3.0]), None]);

@@ -1,7 +1,7 @@
-//! A problem of one time whose model is drawn to where it is at neighbouring times.
+//! The problem of one time, with a proximal term towards the states of neighbouring times.
 //!
-//! In: a [`TimedProblem`], displacements of its points. Out: displacements of its points and handles.
-//! Displacements are measured from the rigid motion that fits the pins best: where all pins move rigidly they are constant.
+//! In: a [`TimedProblem`], displacements of its points. Out: displacements of its points and handles. Displacements are relative
+//! to the rigid motion that fits the pins best, so they are constant where all pins move rigidly.
 
 use super::displacement::Displacement;
 use super::timeline::TimedProblem;
@@ -17,7 +17,7 @@ use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
 
-/// A state whose points are nearer to rest than this part of the box diagonal is rest, where all pins rest.
+/// Distance from rest, in box diagonals, below which the points of a state with resting pins are set to rest exactly.
 const REST: f64 = 0.01;
 
 /// The problem of one time with its proximal term.
@@ -25,38 +25,38 @@ const REST: f64 = 0.01;
 pub(crate) struct Knot<const D: usize> {
     pub(crate) system: System<D>,
     path: Vec<Targets<D>>,
-    /// The points of the model at rest.
+    /// Rest positions of the model's points.
     points: Vec<[f64; D]>,
     rigid: RigidImage<D>,
     factor: CachedFactor,
-    /// Pins and handles are where they rest.
+    /// Whether all pins and handles are at rest.
     is_resting: bool,
-    /// Which drawing it belongs to.
+    /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
-    /// The least proximal weight with which the energy is known to be convex at the state.
+    /// Smallest proximal weight with which the energy is known to be convex at the present state.
     convex_from: f64,
     /// The state.
     pub(crate) displacement: Displacement<D>,
 }
 
-/// Where the rigid fit of the pins takes handles and points.
+/// Images of handles and points under the rigid fit of the pins.
 #[derive(Debug)]
 struct RigidImage<const D: usize> {
     handles: Vec<[f64; D]>,
     points: Vec<[f64; D]>,
 }
 
-/// How a knot is solved.
+/// How a solve starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Descent {
     /// From a state that may be far from the minimum.
     Cold,
-    /// From a state near the minimum, with the factorisation of the last solve.
+    /// From a state near the minimum, with the factorisation of the previous solve.
     Warm,
 }
 
 impl<const D: usize> Knot<D> {
-    /// Samples and factors a problem; its state is the rigid fit.
+    /// Samples and factors a problem. The initial state is the rigid fit.
     pub(crate) fn new(problem: TimedProblem<D>, settings: &Settings, cancel: &Cancel) -> Result<Self, SolveError> {
         let TimedProblem { grid, shape, path, points, drawing } = problem;
         let goal = path.last().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
@@ -84,17 +84,18 @@ impl<const D: usize> Knot<D> {
         self.system.grid()
     }
 
-    /// The targets.
+    /// The targets at this time.
     pub(crate) fn goal(&self) -> Option<&Targets<D>> {
         self.path.last()
     }
 
-    /// Makes the state of another time its own. Copies of handles that there were none of then go with what is around them.
+    /// Sets the state to that of another time. Copies of handles that did not exist then are interpolated from the others and the
+    /// points.
     pub(crate) fn start_from(&mut self, state: &Displacement<D>) {
         self.displacement = self.carried(state);
     }
 
-    /// The same, as the result of a solve.
+    /// Same as [`Self::start_from`], returned as the result of a solve.
     pub(crate) fn at(&mut self, state: &Displacement<D>) -> MinimizationResult<D> {
         self.start_from(state);
         MinimizationResult {
@@ -107,7 +108,7 @@ impl<const D: usize> Knot<D> {
         }
     }
 
-    /// The state of another time, by the handles of this one.
+    /// The state of another time, expressed by the unknowns of this one.
     fn carried(&self, state: &Displacement<D>) -> Displacement<D> {
         let copies = &self.displacement.copies;
         if *copies == state.copies {
@@ -119,7 +120,7 @@ impl<const D: usize> Knot<D> {
         Displacement { handles, copies: copies.clone(), points: state.points.clone() }
     }
 
-    /// Solves for this time alone, as a frame without neighbours is solved.
+    /// Solves this time without a proximal term, like a single frame.
     pub(crate) fn solve_alone(&mut self, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
         self.system.set_proximal_targets([], 0.0, cancel)?;
         let result = match self.system.follow_winding(&self.path, cancel)? {
@@ -130,7 +131,7 @@ impl<const D: usize> Knot<D> {
         Ok(result)
     }
 
-    /// Solves with the points drawn to displacements with this weight, from the current state.
+    /// Solves from the current state with a proximal term of this weight towards the given displacements of the points.
     pub(crate) fn solve_near(
         &mut self,
         (points, weight): (&[[f64; D]], f64),
@@ -152,12 +153,12 @@ impl<const D: usize> Knot<D> {
         Ok(result)
     }
 
-    /// Whether it rests where its neighbours, between which it is drawn to a state, do.
+    /// Whether pins, handles and the given state are all at rest.
     pub(crate) fn rests_at(&self, state: &Displacement<D>) -> bool {
         self.is_resting && state.points.iter().chain(&state.handles).all(|by| *by == [0.0; D])
     }
 
-    /// The handles of the state.
+    /// Positions of the handles in the present state.
     pub(crate) fn handles(&self) -> Vec<[f64; D]> {
         self.displaced(&self.displacement.handles)
     }
@@ -167,12 +168,12 @@ impl<const D: usize> Knot<D> {
         sums.map(|(rigid, by)| std::array::from_fn(|d| rigid[d] + by[d])).collect()
     }
 
-    /// Whether the energy with a proximal term of this weight is convex at its state.
+    /// Whether the energy with a proximal term of this weight is convex at the present state.
     pub(crate) fn is_convex(&self, weight: f64, cancel: &Cancel) -> bool {
         weight >= self.convex_from || self.system.is_convex(&self.handles(), weight, cancel)
     }
 
-    /// Whether it is, here, at the next knot, and halfway between both states.
+    /// Whether the energy with this weight is convex at both knots, and here at the mean of their states.
     pub(crate) fn is_convex_up_to(&self, next: &Self, weight: f64) -> bool {
         let never = Cancel::never();
         let halfway = || self.displacement.interpolated(&self.carried(&next.displacement), 0.5).handles;
@@ -181,13 +182,14 @@ impl<const D: usize> Knot<D> {
             && self.system.is_convex(&self.displaced(&halfway()), weight, &never)
     }
 
-    /// Keeps what was found of the state.
+    /// Records that the energy with this weight is convex at the present state.
     pub(crate) fn note_convex(&mut self, weight: f64) {
         self.convex_from = self.convex_from.min(weight);
     }
 
-    /// Takes a state. Where all pins are at rest that is rest itself, which is the least minimum: a neighbour that moves would draw it
-    /// away by fractions of a pixel. It is not, where the model is wound around once, or a snap is spread.
+    /// Sets the state to the solved handles. If all pins rest and all points are near rest, the state becomes rest exactly, which
+    /// is the global minimum: a moving neighbour would otherwise draw it away by fractions of a pixel. Points are farther from
+    /// rest only where the model has been wound around, or a snap is spread over the knot.
     fn take(&mut self, handles: &[[f64; D]]) {
         self.convex_from = f64::INFINITY;
         let points = self.system.point_images(handles);
@@ -202,7 +204,7 @@ impl<const D: usize> Knot<D> {
         }
     }
 
-    /// Farthest that pins' targets, the model's points and their rigid images move to the next knot.
+    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot.
     pub(crate) fn motion(&self, next: &Self) -> f64 {
         let farthest =
             |a: &[[f64; D]], b: &[[f64; D]]| a.iter().zip(b).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);

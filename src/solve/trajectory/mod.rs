@@ -1,8 +1,8 @@
 //! Trajectories: the lattice of a layer as a continuous function of time.
 //!
-//! In: a [`Timeline`] and a [`Coupling`]. Out: a [`Trajectory`], which solves any time between its knots. After A. Mielke and
-//! R. Rossi, "Existence and uniqueness results for a class of rate-independent hysteresis problems", 2007 (vanishing viscosity);
-//! docs/METHOD.md, "Time", has the definition and what it guarantees.
+//! In: a [`Timeline`] and a [`Coupling`]. Out: a [`Trajectory`], which gives the state at any time between its knots. After A.
+//! Mielke and R. Rossi, "Existence and uniqueness results for a class of rate-independent hysteresis problems", 2007 (vanishing
+//! viscosity). docs/METHOD.md, "Time", defines trajectories and says what is guaranteed.
 
 mod bits;
 mod chain;
@@ -26,34 +26,34 @@ use knot::{Descent, Knot};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Nearer to a knot than this part of an interval, the state is the knot's.
+/// Distance from a knot, as a fraction of an interval, below which the state of the knot is used as it is.
 const AT_KNOT: f64 = 1e-5;
 
-/// A window holds at least so many knots.
+/// Smallest number of knots per window.
 const LEAST_WINDOW: usize = 16;
 
-/// The lattice of a layer over time, by its knots.
+/// The solved knots of a layer's lattice over a range of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory<const D: usize> {
     coupling: Coupling,
-    /// One a knot; `None` where nothing is solved.
+    /// State of each knot; `None` if nothing is solved there.
     states: Vec<Option<Displacement<D>>>,
-    /// One a knot: the drawing that it belongs to.
+    /// Drawing that each knot belongs to.
     drawings: Vec<i64>,
-    /// One an interval: its weight over its length, in squared units of the space.
+    /// ω of each interval, per squared unit of the space.
     weights: Vec<f64>,
-    /// That of an interval whose weight was not raised.
+    /// ω of intervals whose weight was not raised.
     weight: f64,
-    /// Where weights were raised.
+    /// Runs of intervals whose weight was raised.
     spreads: Vec<Spread>,
 }
 
-/// A snap that was spread over time.
+/// A fast motion that was spread over time by raised weights.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Spread {
     /// First and last frame.
     pub frames: [f64; 2],
-    /// Greatest speed of a point of the model in it, relative to the rigid fit of the pins; units of the space a frame.
+    /// Largest speed of a point relative to the rigid fit of the pins, in units of the space per frame.
     pub speed: f64,
 }
 
@@ -61,7 +61,7 @@ impl<const D: usize> Trajectory<D> {
     /// Solves all knots.
     ///
     /// # Errors
-    /// Those of the timeline and of its solves, and [`SolveError::Cancelled`].
+    /// Errors of the timeline and of its solves, and [`SolveError::Cancelled`].
     pub fn solve<T>(timeline: &T, coupling: Coupling, cancel: &Cancel) -> Result<Self, T::Error>
     where
         T: Timeline<D> + Sync,
@@ -79,7 +79,7 @@ impl<const D: usize> Trajectory<D> {
             part_done();
             knot
         };
-        // Where a problem cannot be made between two knots, its own frame says why.
+        // A problem that cannot be built between two knots is reported when its own frame is solved.
         let probe = |time: f64| knot_at(time).ok().flatten();
         let build = |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> {
             if timeline.is_light() { range.into_par_iter().map(build).collect() } else { range.map(build).collect() }
@@ -106,22 +106,22 @@ impl<const D: usize> Trajectory<D> {
         Ok(Self { spreads: trajectory.raised(), ..trajectory })
     }
 
-    /// How many knots are solved.
+    /// Number of knots with a state.
     #[must_use]
     pub fn knot_count(&self) -> usize {
         self.states.iter().flatten().count()
     }
 
-    /// The snaps that were spread over time.
+    /// The motions that were spread over time.
     #[must_use]
     pub fn spreads(&self) -> &[Spread] {
         &self.spreads
     }
 
-    /// Solves the problem of a time. The same time gives the same bits, whatever was solved before.
+    /// Solves the problem of a time. The result depends on the time and the trajectory alone, to the bit.
     ///
     /// # Errors
-    /// [`SolveError`] where the problem is malformed, or the solve is cancelled.
+    /// [`SolveError`] if the problem is malformed or the solve is cancelled.
     pub fn solve_at(
         &self,
         time: f64,
@@ -137,7 +137,7 @@ impl<const D: usize> Trajectory<D> {
         Ok(knot.system.finish(&goal, result))
     }
 
-    /// The state of a knot where the time is one, else the proximal step between its neighbours.
+    /// The state of a knot if there is one at this time, else the proximal step between the neighbouring knots.
     fn solve_knot(&self, knot: &mut Knot<D>, time: f64, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
         match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
@@ -150,9 +150,10 @@ impl<const D: usize> Trajectory<D> {
         }
     }
 
-    /// What draws a time. Between two knots: ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), s the part of the interval that
-    /// has passed; twice that is, up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 − s) d_k − s d_{k+1}‖². Before the first knot, after the last,
-    /// beside a gap, and where the other neighbour shows another drawing, one knot alone draws, the less the farther it is.
+    /// The knots that determine the state at a time. Between two knots it minimises ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1
+    /// − s)), s the fraction of the interval that has passed. Twice that is, up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 −
+    /// s) d_k − s d_{k+1}‖². Before the first knot, after the last, beside a gap, and where only one neighbour has the same
+    /// drawing, the proximal term has a single knot and a weight inversely proportional to the distance from it.
     fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
         let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
         let last = self.states.len() as f64 - 1.0;
@@ -177,7 +178,7 @@ impl<const D: usize> Trajectory<D> {
         }
     }
 
-    /// Runs of intervals whose weights were raised.
+    /// Runs of intervals whose weight was raised.
     fn raised(&self) -> Vec<Spread> {
         let mut spreads: Vec<Spread> = Vec::new();
         for index in (0..self.weights.len()).filter(|&index| self.weights[index] > self.weight) {
@@ -194,18 +195,18 @@ impl<const D: usize> Trajectory<D> {
         spreads
     }
 
-    /// The state of a knot by its number; `None` where nothing is solved, or there is no such knot.
+    /// The state of the knot with this number; `None` if there is no such knot, or it has no state.
     fn state(&self, knot: f64) -> Option<&Displacement<D>> {
         if knot < 0.0 { None } else { self.states.get(knot as usize)?.as_ref() }
     }
 }
 
-/// What draws a time.
+/// The knots that determine the state at a time.
 enum Neighbourhood<'a, const D: usize> {
-    /// Nothing.
+    /// There is none: the time is solved alone.
     Alone,
-    /// It is a knot.
+    /// The time is that of a knot with this state.
     At(&'a Displacement<D>),
-    /// A displacement, with a weight.
+    /// The displacement of the proximal term, and its weight.
     Near(Displacement<D>, f64),
 }

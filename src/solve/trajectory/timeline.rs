@@ -1,6 +1,6 @@
-//! What a trajectory is solved for: the problem of a layer at any time, and how its times hang together.
+//! Input of a trajectory: the problem of a layer as a function of time, and the coupling of different times.
 //!
-//! In: implemented by the pipeline and by tests. Out: [`TimedProblem`]s.
+//! In: a [`Timeline`], implemented by the pipeline and by tests. Out: [`TimedProblem`]s.
 
 use crate::lattice::Grid;
 use crate::solve::error::SolveError;
@@ -8,80 +8,84 @@ use crate::solve::problem::{ModelPoint, Shape};
 use crate::solve::settings::Settings;
 use crate::solve::targets::Targets;
 
-/// The problem of one time. Grid, shape, pins and targets all may move.
+/// The problem of one time. Grid, shape, pins and targets may all change with time.
 #[derive(Clone, Debug)]
 pub struct TimedProblem<const D: usize> {
     /// The rest grid.
     pub grid: Grid<D>,
     /// The shape to preserve.
     pub shape: Shape<D>,
-    /// How pins and handles came to their targets, which are the last; see [`crate::solve::Solver::follow`].
+    /// Targets of pins and handles along the path that they have taken; the last are those of this time. See
+    /// [`crate::solve::Solver::follow`].
     pub path: Vec<Targets<D>>,
-    /// Points of the model, the same ones at every time, #points.
+    /// Points of the model, the same at all times, #points.
     pub points: Vec<ModelPoint<D>>,
-    /// Which drawing is shown, where targets are held over several times and then jump ("on twos"); else 0. A trajectory is continuous
-    /// within a drawing.
+    /// The drawing that is visible, if targets are held over several frames and then jump ("on twos"), else 0. A trajectory is
+    /// continuous within a drawing.
     pub drawing: i64,
 }
 
 /// The problem of a layer as a function of time.
 pub trait Timeline<const D: usize> {
-    /// What goes wrong.
+    /// Error of the implementation.
     type Error: From<SolveError>;
 
-    /// The settings of all times.
+    /// Settings, the same at all times.
     fn settings(&self) -> &Settings;
 
-    /// The problem at a time; `None` where nothing is solved.
+    /// The problem at a time; `None` if nothing is solved then.
     ///
     /// # Errors
-    /// Those of the implementation.
+    /// Errors of the implementation.
     fn at(&self, time: f64) -> Result<Option<TimedProblem<D>>, Self::Error>;
 
-    /// How many knots are held in memory at once, 16 or more: later ones cannot pull at those half a window before them. A function of the
-    /// problem alone, because the result depends on it.
+    /// Number of knots in memory at once, at least 16. Later knots influence earlier ones by at most half a window. The number
+    /// must depend on the problem alone, because the result depends on it.
     fn window(&self) -> usize {
         usize::MAX
     }
 
-    /// Knots are made on all cores at once; false where that would take too much memory.
+    /// Whether the problems of knots are built in parallel; false if that would need too much memory.
     fn is_light(&self) -> bool {
         true
     }
 
-    /// Hears how far a [`Trajectory`](super::Trajectory) has been solved: parts done, of all. Of no consequence for the result.
+    /// Called while a [`Trajectory`](super::Trajectory) is solved, with the number of parts done and of all parts. Does not
+    /// influence the result.
     fn progress(&self, _done: usize, _of: usize) {}
 }
 
-/// How the times of a trajectory hang together.
+/// How the times of a trajectory are coupled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
-    /// Time of the first knot, frames.
+    /// Time of the first knot, in frames.
     pub first: f64,
-    /// Time of the last knot, at most; frames.
+    /// Upper bound for the time of the last knot, in frames.
     pub last: f64,
-    /// Knots a frame, 1 or more.
+    /// Number of knots per frame, at least 1.
     pub knots_per_frame: u32,
-    /// Weight of the mean squared speed, in box diagonals a frame, against the shape's energy; frames.
+    /// Weight of the mean squared speed (in box diagonals per frame) relative to the energy of the shape, in frames.
     pub weight: f64,
-    /// A speed, in units of the space a frame, that needs no reason.
+    /// Speed that is always permitted, in units of the space per frame.
     pub least_speed: f64,
 }
 
-/// Bytes of a knot's matrices and factors for each entry of the band of its normal matrix; in the plane Newton's method has a factor, too.
+/// Bytes of matrices and factors per entry of the band of a knot's normal matrix, in the plane and in space. In the plane they
+/// include a factor for Newton's method.
 const BAND_BYTES: [usize; 2] = [64, 32];
 
-/// Bytes of a knot beside its matrices: samples of the shape and points.
+/// Bytes of a knot other than matrices: samples of the shape, points.
 const KNOT_BYTES: usize = 1 << 20;
 
-/// Bytes of the knots of a window.
+/// Bytes available for the knots of a window.
 const WINDOW_BYTES: usize = 1 << 30;
 
-/// Bytes of a branching knot for each triangle of its shape: the triangle, its parts in cells, the copies over them.
+/// Bytes of a branching knot per triangle of its shape: the triangle, its parts in cells, and their copies of handles.
 const TRIANGLE_BYTES: usize = 1024;
 
-/// How many knots with such a grid take a GiB; `branching`: the number of triangles in the shape of a branching lattice. It has copies of
-/// handles where parts are close, and none where nothing of the shape is: as a rule not more than a plain one has handles.
+/// Number of knots with such a grid that fit into a GiB. `branching` is the number of triangles in the shape of a branching
+/// lattice. Such a lattice has several copies of a handle where parts are close, and none away from the shape, so as a rule its
+/// copies are not more than the handles of a plain lattice.
 #[must_use]
 pub fn knots_per_gib<const D: usize>(grid: &Grid<D>, branching: Option<usize>) -> usize {
     let handles = grid.handle_count();
@@ -100,7 +104,7 @@ impl Coupling {
         (frames * f64::from(self.knots_per_frame) + 1e-9).floor() as usize + 1
     }
 
-    /// The time of a knot.
+    /// Time of a knot, in frames.
     #[must_use]
     pub fn knot_time(&self, knot: usize) -> f64 {
         self.first + knot as f64 / f64::from(self.knots_per_frame)
