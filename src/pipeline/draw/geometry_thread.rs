@@ -25,27 +25,27 @@ const MANY_TRIANGLES: usize = 500_000;
 const LINE_WIDTH: f64 = 1.0 / 540.0;
 
 /// One frame to draw.
-pub(crate) struct FrameJob {
+pub(in crate::pipeline) struct FrameJob {
     /// Frame number.
-    pub(crate) frame: i32,
+    pub(in crate::pipeline) frame: i32,
     /// All passes in the order of the plan, repeated for every tile; or the error that ended the frame.
-    pub(crate) passes: Receiver<Result<BuiltPass, PipelineError>>,
+    pub(in crate::pipeline) passes: Receiver<Result<BuiltPass, PipelineError>>,
     /// The results of solving, for the frame's file and the user; sent after the last pass.
-    pub(crate) facts: Receiver<FrameFacts>,
+    pub(in crate::pipeline) facts: Receiver<FrameFacts>,
 }
 
 /// The results of solving a frame.
-pub(crate) struct FrameFacts {
-    pub(crate) report: FrameReport,
-    pub(crate) picture: Option<overlay::Picture>,
-    pub(crate) camera: CameraMatrices,
+pub(in crate::pipeline) struct FrameFacts {
+    pub(in crate::pipeline) report: FrameReport,
+    pub(in crate::pipeline) picture: Option<overlay::Picture>,
+    pub(in crate::pipeline) camera: CameraMatrices,
 }
 
 /// One pass to draw.
-pub(crate) struct BuiltPass {
-    pub(crate) geometry: Arc<Geometry>,
-    pub(crate) jitter_px: Vec2,
-    pub(crate) role: PassRole,
+pub(in crate::pipeline) struct BuiltPass {
+    pub(in crate::pipeline) geometry: Arc<Geometry>,
+    pub(in crate::pipeline) jitter_px: Vec2,
+    pub(in crate::pipeline) role: PassRole,
 }
 
 /// The geometry built last.
@@ -57,17 +57,17 @@ struct Built {
 }
 
 /// Builds the jobs of a render.
-pub(crate) struct GeometryThread<'a> {
-    pub(crate) prepared: &'a PreparedShot,
-    pub(crate) tile_count: usize,
-    pub(crate) has_overlay: bool,
-    pub(crate) cancel: &'a AtomicBool,
-    pub(crate) jerk: JerkMeter,
+pub(in crate::pipeline) struct GeometryThread<'a> {
+    pub(in crate::pipeline) prepared: &'a PreparedShot,
+    pub(in crate::pipeline) tile_count: usize,
+    pub(in crate::pipeline) has_overlay: bool,
+    pub(in crate::pipeline) cancel: &'a AtomicBool,
+    pub(in crate::pipeline) jerk: JerkMeter,
 }
 
 impl GeometryThread<'_> {
     /// Builds the jobs of all frames; stops early if cancelled or if drawing has ended.
-    pub(crate) fn run(&mut self, frames: &[i32], jobs: &SyncSender<FrameJob>) {
+    pub(in crate::pipeline) fn run(&mut self, frames: &[i32], jobs: &SyncSender<FrameJob>) {
         for &frame in frames {
             let (pass, passes) = sync_channel(self.queued_passes());
             let (fact, facts) = sync_channel(1);
@@ -139,7 +139,11 @@ impl GeometryThread<'_> {
 }
 
 /// Builds the geometry of a solved time; `around`: the samples one frame later and one earlier, if motion is wanted.
-pub(crate) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Option<[&TimeSample; 2]>) -> Geometry {
+pub(in crate::pipeline) fn geometry_of(
+    prepared: &PreparedShot,
+    now: &TimeSample,
+    around: Option<[&TimeSample; 2]>,
+) -> Geometry {
     let warps = now.warps(&prepared.assignment, |_| true);
     let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
     let neighbours = around
@@ -161,7 +165,7 @@ pub(crate) fn geometry_of(prepared: &PreparedShot, now: &TimeSample, around: Opt
 }
 
 /// Collects the report, overlay and camera of a solved frame.
-pub(crate) fn facts(
+pub(in crate::pipeline) fn facts(
     prepared: &PreparedShot,
     (frame, middle): (i32, &TimeSample),
     has_overlay: bool,

@@ -25,12 +25,12 @@ use std::time::Instant;
 const MAX_TILE_SIDE: u32 = 8192;
 
 /// Splits a window into tiles that the device can draw.
-pub(crate) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
+pub(in crate::pipeline) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
     window.tiles(max_side.min(MAX_TILE_SIDE))
 }
 
 /// Draws all jobs and returns the time for which the raster was busy, milliseconds.
-pub(crate) fn draw_all(
+pub(in crate::pipeline) fn draw_all(
     device: &mut dyn Raster,
     prepared: &PreparedShot,
     tiles: &[PixelRect],
@@ -55,7 +55,11 @@ pub(crate) fn draw_all(
 }
 
 /// Draws a single frame.
-pub(crate) fn draw_frame(device: &mut dyn Raster, prepared: &PreparedShot, frame: i32) -> Result<Frame, PipelineError> {
+pub(in crate::pipeline) fn draw_frame(
+    device: &mut dyn Raster,
+    prepared: &PreparedShot,
+    frame: i32,
+) -> Result<Frame, PipelineError> {
     let tiles = tiles(prepared.shot.size.window(), device.max_side());
     let cancel = AtomicBool::new(false);
     std::thread::scope(|scope| {

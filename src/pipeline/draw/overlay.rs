@@ -19,7 +19,7 @@ const PIECES: usize = 8;
 
 /// The overlay of one frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Picture {
+pub(in crate::pipeline) struct Picture {
     frame: FrameSize,
     camera: Camera,
     layers: Vec<LayerPicture>,
@@ -71,7 +71,7 @@ impl SolvedLattice {
 impl Picture {
     /// Collects the overlay of a sample.
     #[must_use]
-    pub(crate) fn of(prepared: &PreparedShot, sample: &TimeSample) -> Self {
+    pub(in crate::pipeline) fn of(prepared: &PreparedShot, sample: &TimeSample) -> Self {
         let layers =
             prepared.shot.layers.iter().zip(&sample.layers).enumerate().filter_map(|(index, (layer, state))| {
                 let lattice = SolvedLattice::of(state)?;
@@ -92,7 +92,7 @@ impl Picture {
     }
 
     /// Draws the overlay onto a preview.
-    pub(crate) fn draw(&self, preview: &mut Preview) {
+    pub(in crate::pipeline) fn draw(&self, preview: &mut Preview) {
         // Line widths scale with the size of the picture.
         let unit_px = (f64::from(self.frame.height) / 720.0).max(1.0);
         let mut canvas = Canvas::new(preview);

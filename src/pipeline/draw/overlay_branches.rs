@@ -17,7 +17,7 @@ const TINTS: [[u8; 3]; 6] =
 
 /// The overlay of one branch in one frame.
 #[derive(Clone, Debug)]
-pub(crate) struct BranchPicture {
+pub(in crate::pipeline) struct BranchPicture {
     lattice: ScreenLattice,
     /// The cells that contain part of the shape, by column and row, and whether each folds.
     cells: Vec<([usize; 2], bool)>,
@@ -25,7 +25,7 @@ pub(crate) struct BranchPicture {
 
 impl BranchPicture {
     /// Creates the overlays of all branches.
-    pub(crate) fn all_of(branches: &BranchedLattice<2>) -> Vec<Self> {
+    pub(in crate::pipeline) fn all_of(branches: &BranchedLattice<2>) -> Vec<Self> {
         let margin = branches.grid().basis.margin();
         let of_branch = |branch: usize| {
             let lattice = branches.lattice(branch);
@@ -39,12 +39,12 @@ impl BranchPicture {
     }
 
     /// Whether any cell folds.
-    pub(crate) fn has_folds(&self) -> bool {
+    pub(in crate::pipeline) fn has_folds(&self) -> bool {
         self.cells.iter().any(|(_, is_folded)| *is_folded)
     }
 
     /// Draws the branch in the colour of the given number.
-    pub(crate) fn draw(&self, canvas: &mut Canvas, number: usize, (frame, unit_px): (FrameSize, f64)) {
+    pub(in crate::pipeline) fn draw(&self, canvas: &mut Canvas, number: usize, (frame, unit_px): (FrameSize, f64)) {
         let [r, g, b] = TINTS[number % TINTS.len()];
         let grid = &self.lattice.grid;
         let warped = |x: f64, y: f64| {

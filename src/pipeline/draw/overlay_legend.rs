@@ -6,14 +6,14 @@ use crate::image::{Canvas, Rgba8};
 use crate::space::{FrameSize, ImagePoint};
 use glam::DVec2;
 
-pub(crate) const GRID: Rgba8 = Rgba8([64, 200, 255, 150]);
-pub(crate) const HANDLE: Rgba8 = Rgba8([64, 200, 255, 220]);
-pub(crate) const FOLDED: Rgba8 = Rgba8([255, 40, 40, 130]);
-pub(crate) const FOLDED_EMPTY: Rgba8 = Rgba8([255, 90, 90, 170]);
-pub(crate) const REGION: Rgba8 = Rgba8([255, 200, 40, 90]);
-pub(crate) const REST: Rgba8 = Rgba8([255, 255, 255, 230]);
-pub(crate) const TARGET: Rgba8 = Rgba8([255, 200, 40, 255]);
-pub(crate) const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
+pub(in crate::pipeline) const GRID: Rgba8 = Rgba8([64, 200, 255, 150]);
+pub(in crate::pipeline) const HANDLE: Rgba8 = Rgba8([64, 200, 255, 220]);
+pub(in crate::pipeline) const FOLDED: Rgba8 = Rgba8([255, 40, 40, 130]);
+pub(in crate::pipeline) const FOLDED_EMPTY: Rgba8 = Rgba8([255, 90, 90, 170]);
+pub(in crate::pipeline) const REGION: Rgba8 = Rgba8([255, 200, 40, 90]);
+pub(in crate::pipeline) const REST: Rgba8 = Rgba8([255, 255, 255, 230]);
+pub(in crate::pipeline) const TARGET: Rgba8 = Rgba8([255, 200, 40, 255]);
+pub(in crate::pipeline) const NAME: Rgba8 = Rgba8([255, 255, 255, 255]);
 const PANEL: Rgba8 = Rgba8([16, 16, 20, 190]);
 
 /// Width of a character and height of a line in pixels, at scale 1.
@@ -25,7 +25,7 @@ const MARGIN: f64 = 8.0;
 
 /// The marks of an overlay, in legend order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Mark {
+pub(in crate::pipeline) enum Mark {
     Grid,
     Rest,
     Target,
@@ -65,14 +65,14 @@ impl Mark {
 }
 
 /// Draws a closed polyline.
-pub(crate) fn outline(canvas: &mut Canvas, corners: &[ImagePoint], (width_px, color): (f64, Rgba8)) {
+pub(in crate::pipeline) fn outline(canvas: &mut Canvas, corners: &[ImagePoint], (width_px, color): (f64, Rgba8)) {
     for (index, &corner) in corners.iter().enumerate() {
         canvas.line(corner, corners[(index + 1) % corners.len()], width_px, color);
     }
 }
 
 /// Draws the legend if the frame is large enough.
-pub(crate) fn draw(canvas: &mut Canvas, frame: FrameSize, (marks, unit_px): (&[Mark], f64)) {
+pub(in crate::pipeline) fn draw(canvas: &mut Canvas, frame: FrameSize, (marks, unit_px): (&[Mark], f64)) {
     let scale = unit_px.round();
     let longest = marks.iter().map(|mark| mark.words().len()).max().unwrap_or_default() as f64;
     let size = DVec2::new(MARK + longest * CHARACTER.x, marks.len() as f64 * CHARACTER.y) + 2.0 * MARGIN;

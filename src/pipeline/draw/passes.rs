@@ -29,7 +29,7 @@ pub struct PassPlan {
 
 /// Returns the middle of the shutter's opening relative to the frame, in frames.
 #[must_use]
-pub(crate) fn mid_shutter(shutter: Shutter) -> f64 {
+pub(in crate::pipeline) fn mid_shutter(shutter: Shutter) -> f64 {
     if shutter.angle > 0.0 { (shutter.phase + shutter.angle * 0.5) / 360.0 } else { 0.0 }
 }
 

@@ -31,7 +31,12 @@ struct Pair<'a> {
 
 /// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; pairs reported
 /// as contradictions are left out.
-pub(crate) fn warning(layer: &Layer, state: &LayerState, solve: &SolveReport, height_px: f64) -> Option<String> {
+pub(in crate::pipeline) fn warning(
+    layer: &Layer,
+    state: &LayerState,
+    solve: &SolveReport,
+    height_px: f64,
+) -> Option<String> {
     let LayerSpace::Screen { dims, .. } = layer.space else { return None };
     let grid = &state.solution.as_ref()?.lattice.grid;
     let worst = pairs(state, solve, (grid, height_px)).max_by(|a, b| a.stretch.total_cmp(&b.stretch))?;

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 /// Lower and upper corner.
-pub(crate) type Bounds<const D: usize> = [[f64; D]; 2];
+pub(in crate::pipeline) type Bounds<const D: usize> = [[f64; D]; 2];
 
 /// Padding of a followed box on each side, relative to its size.
 const PADDING: f64 = 0.1;
@@ -17,18 +17,18 @@ const FOLLOW_FRAMES: i32 = 3;
 
 /// The neighbouring frames, with tent weights, over which the box at a (fractional) frame is smoothed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SmoothingWindow {
+pub(in crate::pipeline) struct SmoothingWindow {
     frame: f64,
 }
 
 impl SmoothingWindow {
     /// Creates the window around a frame.
-    pub(crate) const fn new(frame: f64) -> Self {
+    pub(in crate::pipeline) const fn new(frame: f64) -> Self {
         Self { frame }
     }
 
     /// Returns the whole frames whose bounds contribute.
-    pub(crate) fn frames(self) -> std::ops::RangeInclusive<i32> {
+    pub(in crate::pipeline) fn frames(self) -> std::ops::RangeInclusive<i32> {
         let (low, high) = (self.frame.floor() as i32, self.frame.ceil() as i32);
         low.saturating_sub(FOLLOW_FRAMES)..=high.saturating_add(FOLLOW_FRAMES)
     }
@@ -36,7 +36,7 @@ impl SmoothingWindow {
     /// Returns the smoothed box: centre and size are tent-weighted means over the neighbours' bounds, padded, and then
     /// extended where needed to contain `now`, the bounds of the frame itself. `None` if neither the frame nor a
     /// neighbour shows anything.
-    pub(crate) fn smooth<const D: usize>(
+    pub(in crate::pipeline) fn smooth<const D: usize>(
         self,
         neighbours: &[(i32, Option<Bounds<D>>)],
         now: Option<Bounds<D>>,
@@ -63,19 +63,19 @@ impl SmoothingWindow {
 }
 
 /// Returns the smallest box that contains both boxes.
-pub(crate) fn union<const D: usize>([a, b]: Bounds<D>, [c, d]: Bounds<D>) -> Bounds<D> {
+pub(in crate::pipeline) fn union<const D: usize>([a, b]: Bounds<D>, [c, d]: Bounds<D>) -> Bounds<D> {
     [std::array::from_fn(|axis| a[axis].min(c[axis])), std::array::from_fn(|axis| b[axis].max(d[axis]))]
 }
 
 /// Extends the box on both sides along axes where it is shorter than `least`.
-pub(crate) fn thickened<const D: usize>([lo, hi]: Bounds<D>, least: f64) -> Bounds<D> {
+pub(in crate::pipeline) fn thickened<const D: usize>([lo, hi]: Bounds<D>, least: f64) -> Bounds<D> {
     let lacking: [f64; D] = std::array::from_fn(|axis| (least - (hi[axis] - lo[axis])).max(0.0) * 0.5);
     [std::array::from_fn(|axis| lo[axis] - lacking[axis]), std::array::from_fn(|axis| hi[axis] + lacking[axis])]
 }
 
 /// Bounds of all layers at whole frames, each computed once.
 #[derive(Debug)]
-pub(crate) struct BoundsCache<const D: usize>(Mutex<HashMap<i32, Vec<Option<Bounds<D>>>>>);
+pub(in crate::pipeline) struct BoundsCache<const D: usize>(Mutex<HashMap<i32, Vec<Option<Bounds<D>>>>>);
 
 impl<const D: usize> Default for BoundsCache<D> {
     fn default() -> Self {
@@ -85,7 +85,7 @@ impl<const D: usize> Default for BoundsCache<D> {
 
 impl<const D: usize> BoundsCache<D> {
     /// Returns the bounds of a layer at a frame; `all` computes those of every layer on a cache miss.
-    pub(crate) fn at(
+    pub(in crate::pipeline) fn at(
         &self,
         layer: usize,
         frame: i32,

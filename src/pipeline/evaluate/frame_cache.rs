@@ -12,29 +12,29 @@ const KEPT_SAMPLES: usize = 4;
 
 /// The values shared between frames.
 #[derive(Debug, Default)]
-pub(crate) struct FrameCache {
+pub(in crate::pipeline) struct FrameCache {
     samples: Mutex<VecDeque<Arc<TimeSample>>>,
     /// Bounds of screen layers.
-    pub(crate) screen_bounds: BoundsCache<2>,
+    pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
     /// Bounds of world layers.
-    pub(crate) world_bounds: BoundsCache<3>,
+    pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.
-    pub(crate) trajectories: Trajectories<2>,
+    pub(in crate::pipeline) trajectories: Trajectories<2>,
     /// Trajectories of world layers.
-    pub(crate) world_trajectories: Trajectories<3>,
+    pub(in crate::pipeline) world_trajectories: Trajectories<3>,
     /// Digest of the inputs that all trajectories have in common.
-    pub(crate) trajectory_inputs: OnceLock<u128>,
+    pub(in crate::pipeline) trajectory_inputs: OnceLock<u128>,
 }
 
 impl FrameCache {
     /// Returns the cached sample of a (fractional) frame.
-    pub(crate) fn sample(&self, frame: f64) -> Option<Arc<TimeSample>> {
+    pub(in crate::pipeline) fn sample(&self, frame: f64) -> Option<Arc<TimeSample>> {
         let samples = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
         samples.iter().find(|sample| sample.frame == frame).map(Arc::clone)
     }
 
     /// Caches a sample and evicts the oldest one if there are too many.
-    pub(crate) fn keep(&self, sample: &Arc<TimeSample>) {
+    pub(in crate::pipeline) fn keep(&self, sample: &Arc<TimeSample>) {
         let mut samples = self.samples.lock().unwrap_or_else(PoisonError::into_inner);
         samples.push_back(Arc::clone(sample));
         if samples.len() > KEPT_SAMPLES {

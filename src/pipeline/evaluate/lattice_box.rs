@@ -21,7 +21,7 @@ const LEAST_SIDE: f64 = 0.25;
 const LEAST_EXTENT: f64 = 1e-6;
 
 /// Returns the rest box of a screen layer's lattice; `None` if nothing of the layer is in or near the frame.
-pub(crate) fn screen_box(
+pub(in crate::pipeline) fn screen_box(
     prepared: &PreparedShot,
     sample: &TimeSample,
     index: usize,
@@ -45,7 +45,7 @@ pub(crate) fn screen_box(
 }
 
 /// Returns the bounds of a layer on the screen: lower left and upper right corner.
-pub(crate) fn screen_bounds(
+pub(in crate::pipeline) fn screen_bounds(
     prepared: &PreparedShot,
     layer: usize,
     pose: &Pose,
@@ -71,7 +71,7 @@ fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option
 }
 
 /// Returns the coordinate frame and rest grid of a world layer's lattice; `None` for screen layers and for layers without geometry.
-pub(crate) fn world_grid(
+pub(in crate::pipeline) fn world_grid(
     prepared: &PreparedShot,
     index: usize,
     frame: f64,

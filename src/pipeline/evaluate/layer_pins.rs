@@ -12,7 +12,7 @@ use crate::solve::{
 const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
 
 /// Returns the region that moves with a pin; `diagonal`: that of the lattice's box.
-pub(crate) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
+pub(in crate::pipeline) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
     let unit = match pin.unit {
         OffsetUnit::Frame => 1.0,
         OffsetUnit::Box => diagonal,
@@ -25,12 +25,16 @@ pub(crate) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
 }
 
 /// Returns the weight of a fading pin, which falls exponentially until the pin follows the shape instead of holding it.
-pub(crate) fn faded_weight(presence: f64) -> f64 {
+pub(in crate::pipeline) fn faded_weight(presence: f64) -> f64 {
     10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - presence))
 }
 
 /// Returns the handles of the layer's grid that are moved by keys, with their targets.
-pub(crate) fn moved_handles<const D: usize>(layer: &Layer, grid: &Grid<D>, targets: &PinTargets) -> Vec<HandlePin<D>> {
+pub(in crate::pipeline) fn moved_handles<const D: usize>(
+    layer: &Layer,
+    grid: &Grid<D>,
+    targets: &PinTargets,
+) -> Vec<HandlePin<D>> {
     let handle = |(track, offset): (&HandleTrack, &[f64; 3])| {
         let index = (0..D).map(|axis| track.index[axis] * grid.stride(axis)).sum();
         let rest = grid.rest_handle(index);
@@ -42,7 +46,7 @@ pub(crate) fn moved_handles<const D: usize>(layer: &Layer, grid: &Grid<D>, targe
 /// Returns the handles at the border of a whole picture that hold its edge in place, at rest, except those moved by
 /// keys. As many rings are held as influence the border: for B-splines this holds slope and curvature too, otherwise
 /// the value alone.
-pub(crate) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandlePin<2>> {
+pub(in crate::pipeline) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandlePin<2>> {
     let rings = grid.basis.border_rings();
     let is_outer = |index: usize| {
         let place = grid.handle_coords(index);
@@ -55,7 +59,7 @@ pub(crate) fn held_border(grid: &Grid<2>, moved: &[HandlePin<2>]) -> Vec<HandleP
 
 /// Fades the handles to rest together with the last pin of a layer, so that the layer does not jump when the pin
 /// vanishes. The report describes the faded warp.
-pub(crate) fn fade<const D: usize>(
+pub(in crate::pipeline) fn fade<const D: usize>(
     solution: &mut Solution<D>,
     (solver, pins): (&Solver<D>, &[PointPin<D>]),
     presence: f64,
@@ -82,7 +86,7 @@ pub(crate) fn fade<const D: usize>(
 }
 
 /// Marks the distortion in a report as not measured, as opposed to zero.
-pub(crate) fn unmeasured(report: SolveReport) -> SolveReport {
+pub(in crate::pipeline) fn unmeasured(report: SolveReport) -> SolveReport {
     SolveReport { min_det: f64::NAN, angular: f64::NAN, area: f64::NAN, ..report }
 }
 

@@ -11,7 +11,7 @@ use crate::solve::{Cancel, Problem, Settings, Shape, Solution, SolveError, Solve
 ///
 /// # Errors
 /// [`SolveError`] if the problem is malformed or the solve is cancelled.
-pub(crate) fn factor<const D: usize>(
+pub(in crate::pipeline) fn factor<const D: usize>(
     grid: &Grid<D>,
     shape: impl FnOnce() -> Shape<D>,
     targets: &Targets<D>,
@@ -31,7 +31,7 @@ pub(crate) fn factor<const D: usize>(
 ///
 /// # Errors
 /// [`SolveError`] if the targets do not match the solver's pins and handles, or the solve is cancelled.
-pub(crate) fn solve_layer<const D: usize>(
+pub(in crate::pipeline) fn solve_layer<const D: usize>(
     solver: &Solver<D>,
     path: &[Targets<D>],
     targets: &Targets<D>,

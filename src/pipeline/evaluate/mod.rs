@@ -55,7 +55,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
-    pub(crate) fn evaluate(&self, frame: f64) -> Result<TimeSample, PipelineError> {
+    pub(in crate::pipeline) fn evaluate(&self, frame: f64) -> Result<TimeSample, PipelineError> {
         let mut sample = self.unsolved_at(frame)?;
         for (index, layer) in self.shot.layers.iter().enumerate() {
             if let LayerSpace::Screen { bounds, .. } = layer.space {

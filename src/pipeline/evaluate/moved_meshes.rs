@@ -17,7 +17,11 @@ use rayon::prelude::*;
 const CHUNK: usize = 2048;
 
 /// Moves the meshes of all solved world layers.
-pub(crate) fn move_meshes((scene, assignment): (&Scene, &LayerAssignment), pose: &mut Pose, layers: &[LayerState]) {
+pub(in crate::pipeline) fn move_meshes(
+    (scene, assignment): (&Scene, &LayerAssignment),
+    pose: &mut Pose,
+    layers: &[LayerState],
+) {
     let lattice = |layer: usize| layers[layer].world.as_ref().map(|world| &world.lattice);
     for (index, part) in pose.parts.iter_mut().enumerate() {
         match &assignment.shared_parts[index] {

@@ -9,23 +9,23 @@ use std::collections::BTreeMap;
 
 /// The pieces of a branch that have the same order. Sorts by order, then by branch with the largest branch first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct OrderedPart {
+pub(in crate::pipeline) struct OrderedPart {
     /// Order of the pin nearest along the shape; 0 if no pin has an order.
-    pub(crate) order: i32,
-    pub(crate) branch: usize,
+    pub(in crate::pipeline) order: i32,
+    pub(in crate::pipeline) branch: usize,
 }
 
 /// The parts of a layer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct OrderedParts {
+pub(in crate::pipeline) struct OrderedParts {
     /// From back to front, as far as order and size of the branches determine it.
-    pub(crate) list: Vec<OrderedPart>,
+    pub(in crate::pipeline) list: Vec<OrderedPart>,
     /// Index into the list for each piece, in the order of [`BranchedLattice::pieces`].
-    pub(crate) of_pieces: Vec<u32>,
+    pub(in crate::pipeline) of_pieces: Vec<u32>,
 }
 
 impl OrderedParts {
-    pub(crate) fn of(
+    pub(in crate::pipeline) fn of(
         prepared: &PreparedShot,
         layer: usize,
         (now, branches): (&TimeSample, &BranchedLattice<2>),

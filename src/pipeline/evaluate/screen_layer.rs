@@ -59,7 +59,7 @@ enum Border {
 }
 
 /// Returns the state of a screen layer: solved, or taken from a lattice file.
-pub(crate) fn solve(
+pub(in crate::pipeline) fn solve(
     prepared: &PreparedShot,
     sample: &TimeSample,
     index: usize,
@@ -121,7 +121,11 @@ impl PreparedShot {
 }
 
 /// Returns box, grid and pins of a screen layer, without a factored matrix.
-pub(crate) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &LayerTask) -> Option<LayerSolver> {
+pub(in crate::pipeline) fn unfactored(
+    prepared: &PreparedShot,
+    sample: &TimeSample,
+    task: &LayerTask,
+) -> Option<LayerSolver> {
     let LayerTask { index, layer, anchors, weights } = *task;
     let LayerSpace::Screen { dims, bounds } = layer.space else { return None };
     let rest_box = screen_box(prepared, sample, index, bounds)?;
@@ -140,7 +144,7 @@ pub(crate) fn unfactored(prepared: &PreparedShot, sample: &TimeSample, task: &La
 }
 
 /// Whether the layer's lattice may branch.
-pub(crate) fn is_branching(layer: &Layer) -> bool {
+pub(in crate::pipeline) fn is_branching(layer: &Layer) -> bool {
     layer.settings.topology == Topology::Branching
 }
 
@@ -155,7 +159,7 @@ fn border(source: &Source, layer: &Layer, bounds: BoxRule) -> Border {
 }
 
 /// Whether a layer moves a whole picture whose border rests.
-pub(crate) fn border_rests(source: &Source, layer: &Layer) -> bool {
+pub(in crate::pipeline) fn border_rests(source: &Source, layer: &Layer) -> bool {
     match layer.space {
         LayerSpace::Screen { bounds, .. } => border(source, layer, bounds) == Border::Rests,
         LayerSpace::World { .. } => false,
@@ -164,13 +168,13 @@ pub(crate) fn border_rests(source: &Source, layer: &Layer) -> bool {
 
 impl LayerSolver {
     /// Attaches the pins to triangles of the shape.
-    pub(crate) fn hold_triangles(&mut self, anchors: &[PinAnchor], starts: &[PartTriangleRanges]) {
+    pub(in crate::pipeline) fn hold_triangles(&mut self, anchors: &[PinAnchor], starts: &[PartTriangleRanges]) {
         self.triangles = anchors.iter().map(|anchor| held_triangle(anchor, starts)).collect();
         self.starts = starts.to_vec();
     }
 
     /// Returns the positions of the layer's parts in the shape; empty if the lattice does not branch.
-    pub(crate) fn starts(&self) -> &[PartTriangleRanges] {
+    pub(in crate::pipeline) fn starts(&self) -> &[PartTriangleRanges] {
         &self.starts
     }
 
@@ -224,7 +228,7 @@ impl LayerSolver {
     }
 
     /// Returns the active pins, and the solver's targets, for one point of the path.
-    pub(crate) fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
+    pub(in crate::pipeline) fn targets(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Targets<2>) {
         let (states, pins) = self.point_pins(layer, targets);
         let mut handles = moved_handles(layer, &self.grid, targets);
         if self.border != Border::Free {

@@ -10,18 +10,22 @@ use crate::solve::{Link, LinkEnd, LinkKind, Shape};
 use std::sync::Arc;
 
 /// A layer's shape, and the origin of its triangles.
-pub(crate) struct ScreenShape {
-    pub(crate) shape: Shape<2>,
-    pub(crate) starts: Vec<PartTriangleRanges>,
+pub(in crate::pipeline) struct ScreenShape {
+    pub(in crate::pipeline) shape: Shape<2>,
+    pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
 }
 
 /// Returns the layer's triangles and lines on the screen, clipped at the near plane.
-pub(crate) fn screen_shape(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Shape<2> {
+pub(in crate::pipeline) fn screen_shape(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> Shape<2> {
     screen_shape_with_starts(prepared, sample, index).shape
 }
 
 /// Returns the same as [`screen_shape`], together with the position of each part in the shape.
-pub(crate) fn screen_shape_with_starts(prepared: &PreparedShot, sample: &TimeSample, index: usize) -> ScreenShape {
+pub(in crate::pipeline) fn screen_shape_with_starts(
+    prepared: &PreparedShot,
+    sample: &TimeSample,
+    index: usize,
+) -> ScreenShape {
     let (mesh, near) = (sample.mesh(), sample.camera.near());
     let mut shape = Shape::default();
     let mut all = Vec::new();

@@ -25,7 +25,7 @@ pub struct TimeSample {
     /// The camera.
     pub camera: Camera,
     /// The projected pose, present only while layers are solved, so that cached samples stay small.
-    pub(crate) mesh: Option<ScreenMesh>,
+    pub(in crate::pipeline) mesh: Option<ScreenMesh>,
     /// One per layer of the shot.
     pub layers: Vec<LayerState>,
 }
@@ -42,7 +42,7 @@ pub struct LayerState {
     /// One per active pin.
     pub pins: Vec<PinState>,
     /// Positions of the layer's parts in the shape of a branching lattice; empty for plain lattices.
-    pub(crate) starts: Vec<PartTriangleRanges>,
+    pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
 }
 
 /// The solved lattice of a world layer.
@@ -108,7 +108,7 @@ impl LayerState {
     }
 
     /// Returns the warp of the layer on the screen; `None` if the layer is not warped.
-    pub(crate) fn screen_warp(&self) -> Option<ScreenWarp> {
+    pub(in crate::pipeline) fn screen_warp(&self) -> Option<ScreenWarp> {
         let whole = self.whole.clone().map(ScreenWarp::Whole);
         whole.or_else(|| Some(ScreenWarp::Lattice(self.solution.as_ref()?.lattice.clone())))
     }
@@ -116,7 +116,7 @@ impl LayerState {
 
 /// The warp of a layer on the screen.
 #[derive(Clone, Debug)]
-pub(crate) enum ScreenWarp {
+pub(in crate::pipeline) enum ScreenWarp {
     /// A lattice.
     Lattice(ScreenLattice),
     /// The warp of a whole picture whose border rests: a lattice followed by a flow.
@@ -125,7 +125,7 @@ pub(crate) enum ScreenWarp {
 
 impl ScreenWarp {
     /// Returns the field by which the layer moves a plate; `is_whole`: no matte cuts the layer out.
-    pub(crate) fn field(self, is_whole: bool) -> Field {
+    pub(in crate::pipeline) fn field(self, is_whole: bool) -> Field {
         match self {
             Self::Whole(whole) if is_whole => Field::of_whole(&whole),
             Self::Lattice(lattice) if is_whole => Field::of_picture(lattice),
@@ -142,7 +142,7 @@ impl TimeSample {
     }
 
     /// Returns the warp of every part on the screen; layers excluded by `counts` are at rest.
-    pub(crate) fn warps<'a>(
+    pub(in crate::pipeline) fn warps<'a>(
         &'a self,
         assignment: &'a LayerAssignment,
         counts: impl Fn(usize) -> bool,

@@ -12,7 +12,7 @@ use crate::shot::BoxRule;
 use crate::solve::{Cancel, Problem, Solver, Targets};
 
 /// Returns the state of a screen layer, from its trajectory if it has one, and otherwise solved for this time alone.
-pub(crate) fn solve(
+pub(in crate::pipeline) fn solve(
     prepared: &PreparedShot,
     sample: &TimeSample,
     index: usize,

@@ -16,7 +16,7 @@ use crate::solve::{Cancel, Problem, Solution, Solver, Targets};
 
 /// What a time does if the trajectory of a layer is not solved yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unsolved {
+pub(in crate::pipeline) enum Unsolved {
     /// Solves the trajectory, over all frames.
     Wait,
     /// Solves the layer for this time alone.
@@ -33,7 +33,11 @@ impl PreparedShot {
     }
 
     /// As [`Self::unsolved_at`]; `unsolved` says whether world layers wait for their trajectories.
-    pub(crate) fn world_solved_at(&self, frame: f64, unsolved: Unsolved) -> Result<TimeSample, PipelineError> {
+    pub(in crate::pipeline) fn world_solved_at(
+        &self,
+        frame: f64,
+        unsolved: Unsolved,
+    ) -> Result<TimeSample, PipelineError> {
         let (mut pose, camera) = self.view(frame);
         let layers = solve_all(self, (frame, unsolved), &pose, &camera)?;
         move_meshes((&self.scene, &self.assignment), &mut pose, &layers);

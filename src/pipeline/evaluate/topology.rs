@@ -24,7 +24,7 @@ pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), Pip
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] for the first such layer.
-pub(crate) fn check_branching(prepared: &PreparedShot) -> Result<(), PipelineError> {
+pub(in crate::pipeline) fn check_branching(prepared: &PreparedShot) -> Result<(), PipelineError> {
     let layers = prepared.shot.layers.iter().zip(&prepared.assignment.parts_of_layer).enumerate();
     let is_picture = matches!(prepared.shot.source, Source::Images(_));
     let mut branching = layers.filter(|(_, (layer, _))| is_picture && layer.settings.topology == Topology::Branching);

@@ -20,7 +20,7 @@ const BORDER: f64 = 1e3;
 const PIN_TOLERANCE: f64 = 1e-5;
 
 /// Returns settings under which pins and border constrain the lattice softly.
-pub(crate) fn compliant(settings: &Settings) -> Settings {
+pub(in crate::pipeline) fn compliant(settings: &Settings) -> Settings {
     let lambdas = match settings.scaling {
         Scaling::Dimensionless => Lambdas { pins: PINS, handles: BORDER, ..settings.lambdas },
         Scaling::Plain => settings.lambdas,
@@ -29,7 +29,7 @@ pub(crate) fn compliant(settings: &Settings) -> Settings {
 }
 
 /// Converts the active pins of a layer to those of its whole picture; `weights`: one per active pin, 0 to 1.
-pub(crate) fn whole_pins(states: &[PinState], targets: &PinTargets, weights: &[f64]) -> Vec<WholePin> {
+pub(in crate::pipeline) fn whole_pins(states: &[PinState], targets: &PinTargets, weights: &[f64]) -> Vec<WholePin> {
     let pin = |(state, &weight): (&PinState, &f64)| {
         let target = &targets.pins[state.pin];
         let rotation = match target.rotation {
@@ -42,7 +42,7 @@ pub(crate) fn whole_pins(states: &[PinState], targets: &PinTargets, weights: &[f
 }
 
 /// Returns the warp of the whole picture by a solved lattice, and replaces the lattice by the part that the warp uses.
-pub(crate) fn finish(solution: &mut Solution<2>, pins: &[WholePin]) -> WholeWarp {
+pub(in crate::pipeline) fn finish(solution: &mut Solution<2>, pins: &[WholePin]) -> WholeWarp {
     let whole = WholeWarp::fit(&solution.lattice, pins);
     solution.lattice = whole.lattice.clone();
     let misses = pins.iter().zip(&whole.ends).map(|(pin, end)| (pin.target - *end).0.length());

@@ -15,25 +15,25 @@ use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec3};
 
 /// A world layer at one time, ready to be solved.
-pub(crate) struct WorldLayer<'a> {
-    pub(crate) prepared: &'a PreparedShot,
+pub(in crate::pipeline) struct WorldLayer<'a> {
+    pub(in crate::pipeline) prepared: &'a PreparedShot,
     pose: &'a Pose,
     camera: &'a Camera,
-    pub(crate) index: usize,
-    pub(crate) frame: BoxFrame,
-    pub(crate) grid: Grid<3>,
+    pub(in crate::pipeline) index: usize,
+    pub(in crate::pipeline) frame: BoxFrame,
+    pub(in crate::pipeline) grid: Grid<3>,
 }
 
 /// A pin as seen by the solver and by the user.
-pub(crate) struct WorldPin {
-    pub(crate) state: PinState,
-    pub(crate) in_scene: ScenePin,
+pub(in crate::pipeline) struct WorldPin {
+    pub(in crate::pipeline) state: PinState,
+    pub(in crate::pipeline) in_scene: ScenePin,
     point: PointPin<3>,
 }
 
 impl<'a> WorldLayer<'a> {
     /// Returns the layer at a (fractional) frame; `None` for screen layers, and for layers without pins, handles or geometry.
-    pub(crate) fn at(
+    pub(in crate::pipeline) fn at(
         prepared: &'a PreparedShot,
         index: usize,
         time: f64,
@@ -46,7 +46,7 @@ impl<'a> WorldLayer<'a> {
     }
 
     /// Returns the layer's active pins at a time, and the targets of pins and handles.
-    pub(crate) fn goal(&self, time: f64) -> (Vec<WorldPin>, Targets<3>) {
+    pub(in crate::pipeline) fn goal(&self, time: f64) -> (Vec<WorldPin>, Targets<3>) {
         let layer = &self.prepared.shot.layers[self.index];
         let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, time));
         let pins = self.pins(&targets);
@@ -55,7 +55,7 @@ impl<'a> WorldLayer<'a> {
     }
 
     /// Returns the problem for a trajectory at a time; `None` if neither pins nor handles act.
-    pub(crate) fn timed_problem(&self, time: f64, points: &[PinAnchor]) -> Option<TimedProblem<3>> {
+    pub(in crate::pipeline) fn timed_problem(&self, time: f64, points: &[PinAnchor]) -> Option<TimedProblem<3>> {
         let (_, goal) = self.goal(time);
         if goal.pins.is_empty() && goal.handles.is_empty() {
             return None;
@@ -69,7 +69,7 @@ impl<'a> WorldLayer<'a> {
     }
 
     /// Returns the layer's triangles and lines in the frame of its box.
-    pub(crate) fn shape(&self) -> Shape<3> {
+    pub(in crate::pipeline) fn shape(&self) -> Shape<3> {
         let mut shape = Shape::default();
         for &part in &self.prepared.assignment.parts_of_layer[self.index] {
             let stiffness = self.prepared.stiffness_of(self.index, part);

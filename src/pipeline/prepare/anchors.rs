@@ -84,7 +84,7 @@ impl PinAnchor {
 
 /// Returns 1 for depths well beyond the near plane, falling to 0 at the plane. Parallel projections do not grow without
 /// bound at the near plane, so for them the function is a step.
-pub(crate) fn presence(depth: f64, camera: &Camera) -> f64 {
+pub(in crate::pipeline) fn presence(depth: f64, camera: &Camera) -> f64 {
     let near = camera.near();
     if camera.is_parallel() {
         return if depth >= near { 1.0 } else { 0.0 };
@@ -94,7 +94,7 @@ pub(crate) fn presence(depth: f64, camera: &Camera) -> f64 {
 }
 
 /// Finds the triangle of a surface anchor, and returns a note if its stored rest position no longer matches.
-pub(crate) fn find(
+pub(in crate::pipeline) fn find(
     (shot, place): (&Shot, [usize; 2]),
     scene: &Scene,
     parts: &[PosedPart],
@@ -139,7 +139,11 @@ pub(crate) fn find(
 }
 
 /// Creates the error for a pin that does not match the scene, from a description and a hint.
-pub(crate) fn mismatch(shot: &Shot, [layer, pin]: [usize; 2], (what, hint): (String, String)) -> PipelineError {
+pub(in crate::pipeline) fn mismatch(
+    shot: &Shot,
+    [layer, pin]: [usize; 2],
+    (what, hint): (String, String),
+) -> PipelineError {
     let names = (&shot.layers[layer].name, &shot.layers[layer].pins[pin].name);
     let what = format!("layer '{}', pin '{}': {what}", names.0, names.1);
     PipelineError::mismatch(shot, &format!("layer[{layer}].pin[{pin}].anchor"), what, hint)

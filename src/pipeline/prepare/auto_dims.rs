@@ -24,7 +24,7 @@ const HANDLES: [usize; 2] = [10, 64];
 const PADDING: f64 = 1.2;
 
 /// Chooses the dims of all layers with `dims = "auto"`, and adds a note for each.
-pub(crate) fn choose(prepared: &mut PreparedShot) {
+pub(in crate::pipeline) fn choose(prepared: &mut PreparedShot) {
     let asking = |index: &usize| prepared.shot.layers[*index].has_auto_dims;
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(asking).collect();
     for index in layers {

@@ -34,7 +34,7 @@ const NEAR_RADII: f64 = 0.01;
 
 /// The source of the camera.
 #[derive(Clone, Debug)]
-pub(crate) enum CameraSource {
+pub(in crate::pipeline) enum CameraSource {
     /// A camera node of the scene.
     Node(usize),
     /// A camera that frames a scene without cameras.
@@ -49,17 +49,17 @@ pub(crate) enum CameraSource {
 }
 
 /// The inputs to the choice of a camera.
-pub(crate) struct CameraContext<'a> {
-    pub(crate) shot: &'a Shot,
-    pub(crate) scene: &'a Scene,
-    pub(crate) clip: ClipChoice,
+pub(in crate::pipeline) struct CameraContext<'a> {
+    pub(in crate::pipeline) shot: &'a Shot,
+    pub(in crate::pipeline) scene: &'a Scene,
+    pub(in crate::pipeline) clip: ClipChoice,
     /// #layers: the parts of each layer.
-    pub(crate) parts_of_layer: &'a [Vec<usize>],
+    pub(in crate::pipeline) parts_of_layer: &'a [Vec<usize>],
 }
 
 impl CameraSource {
     /// Returns the camera at a (fractional) frame, whose pose is given.
-    pub(crate) fn at(&self, (shot, scene): (&Shot, &Scene), frame: f64, pose: &Pose) -> Camera {
+    pub(in crate::pipeline) fn at(&self, (shot, scene): (&Shot, &Scene), frame: f64, pose: &Pose) -> Camera {
         match self {
             Self::Automatic(camera) => *camera,
             Self::Node(node) => {
@@ -73,7 +73,10 @@ impl CameraSource {
 }
 
 /// Chooses the camera of a shot. `notes` receives choices made on the user's behalf.
-pub(crate) fn choose(context: &CameraContext<'_>, notes: &mut Vec<String>) -> Result<CameraSource, PipelineError> {
+pub(in crate::pipeline) fn choose(
+    context: &CameraContext<'_>,
+    notes: &mut Vec<String>,
+) -> Result<CameraSource, PipelineError> {
     let CameraContext { shot, scene, .. } = context;
     match &shot.camera {
         CameraRule::Automatic => match scene.find_camera(None) {

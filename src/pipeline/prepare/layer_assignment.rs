@@ -18,18 +18,18 @@ pub struct LayerAssignment {
     /// #parts: set if several layers move the part, or one layer moves some of it.
     pub shared_parts: Vec<Option<SharedPart>>,
     /// #parts: the node that carries the part.
-    pub(crate) node_of_part: Vec<usize>,
+    pub(in crate::pipeline) node_of_part: Vec<usize>,
     /// #layers: the layer's parts, including shared ones.
-    pub(crate) parts_of_layer: Vec<Vec<usize>>,
+    pub(in crate::pipeline) parts_of_layer: Vec<Vec<usize>>,
     /// #layers: the node that carries the whole layer.
-    pub(crate) carriers: Vec<Option<usize>>,
+    pub(in crate::pipeline) carriers: Vec<Option<usize>>,
     /// #layers: whether the layer shares a mesh with other layers, or with what no layer moves.
-    pub(crate) is_sharing: Vec<bool>,
+    pub(in crate::pipeline) is_sharing: Vec<bool>,
 }
 
 impl LayerAssignment {
     /// Assigns all parts. The layers of a plate all lie on the one card that represents the frame.
-    pub(crate) fn new(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Self, PipelineError> {
+    pub(in crate::pipeline) fn new(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Self, PipelineError> {
         let node_of_part = parts.iter().map(|part| part.node).collect();
         let all = || (0..parts.len()).collect::<Vec<usize>>();
         if shot.source == Source::Frame {
@@ -55,7 +55,7 @@ impl LayerAssignment {
     }
 
     /// Returns how much of a part the layer moves; the part must belong to the layer.
-    pub(crate) fn share(&self, layer: usize, part: usize) -> LayerShare<'_> {
+    pub(in crate::pipeline) fn share(&self, layer: usize, part: usize) -> LayerShare<'_> {
         self.shared_parts[part].as_ref().map_or(LayerShare::Whole, |shared| LayerShare::Shared(shared, layer))
     }
 

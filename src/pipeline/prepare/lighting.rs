@@ -17,7 +17,7 @@ const NEUTRAL_RIG: [(Vec3, f32); 3] =
 
 /// Places the neutral rig relative to a camera and fixes it in the scene, so that it does not follow later camera moves.
 #[must_use]
-pub(crate) fn neutral_rig(camera: &Camera) -> Vec<PosedLight> {
+pub(in crate::pipeline) fn neutral_rig(camera: &Camera) -> Vec<PosedLight> {
     let axes = camera.scene_from_view().as_mat4();
     let light = |(towards, lux): (Vec3, f32)| PosedLight {
         kind: LightKind::Directional,
@@ -31,7 +31,7 @@ pub(crate) fn neutral_rig(camera: &Camera) -> Vec<PosedLight> {
 
 /// Returns the lights of a pose, or the rig if it has none, scaled by the shot's exposure.
 #[must_use]
-pub(crate) fn lights(shot: &Shot, pose: &Pose, rig: &[PosedLight]) -> Vec<PosedLight> {
+pub(in crate::pipeline) fn lights(shot: &Shot, pose: &Pose, rig: &[PosedLight]) -> Vec<PosedLight> {
     let gain = shot.exposure_stops.exp2();
     let lights = if pose.lights.is_empty() { rig } else { &pose.lights };
     lights.iter().map(|light| PosedLight { color: light.color * gain, ..*light }).collect()
@@ -40,7 +40,7 @@ pub(crate) fn lights(shot: &Shot, pose: &Pose, rig: &[PosedLight]) -> Vec<PosedL
 /// Returns the strength of the neutral environment light: that of the shot, or else 1 without lights and 0 with lights;
 /// scaled by the shot's exposure.
 #[must_use]
-pub(crate) fn environment(shot: &Shot, pose: &Pose) -> f32 {
+pub(in crate::pipeline) fn environment(shot: &Shot, pose: &Pose) -> f32 {
     let plain = if pose.lights.is_empty() { 1.0 } else { 0.0 };
     shot.environment.unwrap_or(plain) * shot.exposure_stops.exp2()
 }

@@ -17,16 +17,20 @@ const NO_LAYER: &str = "default";
 
 /// The submeshes of all parts, and the Cryptomatte headers of the files.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Mattes {
+pub(in crate::pipeline) struct Mattes {
     /// #parts: the whole part as one submesh, or its triangles grouped by the layer that moves most of each.
-    pub(crate) submeshes: Vec<Vec<Submesh>>,
+    pub(in crate::pipeline) submeshes: Vec<Vec<Submesh>>,
     /// One header per Cryptomatte, with its manifest.
-    pub(crate) headers: Vec<MatteHeader>,
+    pub(in crate::pipeline) headers: Vec<MatteHeader>,
 }
 
 impl Mattes {
     /// Creates submeshes and headers. The names do not depend on the frame, so every frame of a sequence has the same manifest.
-    pub(crate) fn new(shot: &Shot, scene: &Scene, (parts, assignment): (&[PosedPart], &LayerAssignment)) -> Self {
+    pub(in crate::pipeline) fn new(
+        shot: &Shot,
+        scene: &Scene,
+        (parts, assignment): (&[PosedPart], &LayerAssignment),
+    ) -> Self {
         let mut all_names = Vec::new();
         let mut submesh = |part: &PosedPart, owner: Option<usize>, triangles: Option<Vec<u32>>| {
             let names = names(shot, scene, (part, owner));

@@ -12,7 +12,7 @@ use crate::screen::primitive;
 const LONG_EDGE_CELLS: f64 = 2.0;
 
 /// Returns a note for every world layer with a mesh that is too coarse for its lattice.
-pub(crate) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
+pub(in crate::pipeline) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
     let frame = f64::from(prepared.shot.frames.first);
     let note = |index: usize| {
         let (placed, grid) = world_grid(prepared, index, frame, first)?;

@@ -9,7 +9,7 @@ use crate::spelling;
 use std::path::Path;
 
 /// Checks the scene, the pictures, the masks and the lattice files.
-pub(crate) fn check(shot: &Shot) -> Result<(), PipelineError> {
+pub(in crate::pipeline) fn check(shot: &Shot) -> Result<(), PipelineError> {
     match &shot.source {
         Source::Scene(scene) => check_file(shot, "scene", scene)?,
         Source::Images(images) => images.iter().try_for_each(|image| check_file(shot, "image", image))?,

@@ -124,7 +124,7 @@ fn check_parts(shot: &Shot, first: &Pose, hidden_nodes: &[usize]) -> Result<(), 
 }
 
 /// Resolves every pin's anchor to indices.
-pub(crate) fn attach_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
+pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose) -> Result<(), PipelineError> {
     let mut casts: HashMap<i32, (Pose, ScreenMesh, Camera)> = HashMap::new();
     for (index, layer) in prepared.shot.layers.iter().enumerate() {
         let mut attached = Vec::new();

@@ -32,47 +32,47 @@ pub struct PreparedShot {
     /// The mapping from parts to layers.
     pub assignment: LayerAssignment,
     /// Inputs of the layers' solves.
-    pub(crate) layer_inputs: LayerInputs,
+    pub(in crate::pipeline) layer_inputs: LayerInputs,
     /// Inputs of drawing.
-    pub(crate) draw_inputs: DrawInputs,
+    pub(in crate::pipeline) draw_inputs: DrawInputs,
     /// The pictures that the scene represents.
-    pub(crate) gallery: Option<Gallery>,
+    pub(in crate::pipeline) gallery: Option<Gallery>,
     /// The camera.
-    pub(crate) camera: CameraSource,
+    pub(in crate::pipeline) camera: CameraSource,
     /// The clip that animates the scene.
-    pub(crate) clip: ClipChoice,
+    pub(in crate::pipeline) clip: ClipChoice,
     /// Values cached between frames.
-    pub(crate) cache: FrameCache,
+    pub(in crate::pipeline) cache: FrameCache,
     /// Where trajectories are stored.
-    pub(crate) trajectory_files: Option<TrajectoryFiles>,
+    pub(in crate::pipeline) trajectory_files: Option<TrajectoryFiles>,
 }
 
 /// Inputs of the layers' solves, except their keys.
 #[derive(Debug)]
-pub(crate) struct LayerInputs {
+pub(in crate::pipeline) struct LayerInputs {
     /// One per layer and pin.
-    pub(crate) anchors: Vec<Vec<PinAnchor>>,
+    pub(in crate::pipeline) anchors: Vec<Vec<PinAnchor>>,
     /// Stiffness of the layers' triangles.
-    pub(crate) stiffness: Painted,
+    pub(in crate::pipeline) stiffness: Painted,
     /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.
-    pub(crate) links: Vec<Option<Arc<Vec<Link>>>>,
+    pub(in crate::pipeline) links: Vec<Option<Arc<Vec<Link>>>>,
     /// #layers: lattices transferred from other shots.
-    pub(crate) loaded: Vec<Option<Loaded>>,
+    pub(in crate::pipeline) loaded: Vec<Option<Loaded>>,
 }
 
 /// Inputs of drawing that are not part of the scene.
 #[derive(Debug)]
-pub(crate) struct DrawInputs {
+pub(in crate::pipeline) struct DrawInputs {
     /// The neutral lights, used if the scene has none.
-    pub(crate) rig: Vec<PosedLight>,
+    pub(in crate::pipeline) rig: Vec<PosedLight>,
     /// Pieces of every part, with layer ids and Cryptomatte ids.
-    pub(crate) submeshes: Vec<Vec<Submesh>>,
+    pub(in crate::pipeline) submeshes: Vec<Vec<Submesh>>,
     /// One header per Cryptomatte.
-    pub(crate) mattes: Vec<MatteHeader>,
+    pub(in crate::pipeline) mattes: Vec<MatteHeader>,
     /// Layers whose parts are not drawn but keep their indices, ids and names.
-    pub(crate) hidden_layers: Vec<usize>,
+    pub(in crate::pipeline) hidden_layers: Vec<usize>,
     /// Nodes whose meshes the shot hides.
-    pub(crate) hidden_nodes: Vec<usize>,
+    pub(in crate::pipeline) hidden_nodes: Vec<usize>,
 }
 
 impl PreparedShot {
@@ -85,7 +85,7 @@ impl PreparedShot {
     }
 
     /// Returns the camera's node, if the camera is one of the scene's.
-    pub(crate) const fn camera_node(&self) -> Option<usize> {
+    pub(in crate::pipeline) const fn camera_node(&self) -> Option<usize> {
         match self.camera {
             CameraSource::Node(node) => Some(node),
             CameraSource::Automatic(_) | CameraSource::Own { .. } => None,
@@ -93,7 +93,7 @@ impl PreparedShot {
     }
 
     /// Whether the shot's own camera moves.
-    pub(crate) fn has_moving_camera(&self) -> bool {
+    pub(in crate::pipeline) fn has_moving_camera(&self) -> bool {
         matches!(&self.camera, CameraSource::Own { camera, .. } if camera.keys.len() > 1)
     }
 
@@ -127,7 +127,7 @@ impl PreparedShot {
     }
 
     /// Returns the stiffness of a part's triangles; the part must belong to the layer.
-    pub(crate) fn stiffness_of(&self, layer: usize, part: usize) -> PartStiffness<'_> {
+    pub(in crate::pipeline) fn stiffness_of(&self, layer: usize, part: usize) -> PartStiffness<'_> {
         PartStiffness {
             painted: self.layer_inputs.stiffness[layer].get(&part).map_or(&[], Vec::as_slice),
             share: self.assignment.share(layer, part),

@@ -19,7 +19,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] if a cut separates nothing or names something that does not exist.
-pub(crate) fn rest_links(
+pub(in crate::pipeline) fn rest_links(
     shot: &Shot,
     scene: &Scene,
     parts_of_layer: &[Vec<usize>],

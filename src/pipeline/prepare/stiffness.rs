@@ -17,23 +17,27 @@ const LEAST_SHARE: f64 = 1e-3;
 
 /// Stiffness of a part's triangles in a layer: the value from the rules, times the share of each triangle that the layer moves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PartStiffness<'a> {
+pub(in crate::pipeline) struct PartStiffness<'a> {
     /// #triangles; empty: 1 everywhere.
-    pub(crate) painted: &'a [f64],
+    pub(in crate::pipeline) painted: &'a [f64],
     /// How much of the part the layer moves.
-    pub(crate) share: LayerShare<'a>,
+    pub(in crate::pipeline) share: LayerShare<'a>,
     /// Whether triangles of the layer may differ in stiffness.
-    pub(crate) is_uneven: bool,
+    pub(in crate::pipeline) is_uneven: bool,
 }
 
 impl PartStiffness<'_> {
     /// Whether the layer moves some of a triangle.
-    pub(crate) fn meets(&self, corners: &[u32; 3]) -> bool {
+    pub(in crate::pipeline) fn meets(&self, corners: &[u32; 3]) -> bool {
         self.share.meets(corners)
     }
 
     /// Assigns the triangles last added to a shape the stiffness of the part's triangle from which they come.
-    pub(crate) fn extend<const D: usize>(&self, (triangle, corners): (usize, &[u32; 3]), shape: &mut Shape<D>) {
+    pub(in crate::pipeline) fn extend<const D: usize>(
+        &self,
+        (triangle, corners): (usize, &[u32; 3]),
+        shape: &mut Shape<D>,
+    ) {
         if self.is_uneven {
             let value = self.painted.get(triangle).copied().unwrap_or(1.0) * self.share.of(corners).max(LEAST_SHARE);
             shape.stiffness.resize(shape.triangles.len(), value);
@@ -42,10 +46,10 @@ impl PartStiffness<'_> {
 }
 
 /// #layers, then by part: stiffness of the part's triangles; parts without an entry have 1 everywhere.
-pub(crate) type Painted = Vec<BTreeMap<usize, Vec<f64>>>;
+pub(in crate::pipeline) type Painted = Vec<BTreeMap<usize, Vec<f64>>>;
 
 /// Computes the stiffness for all layers.
-pub(crate) fn paint(
+pub(in crate::pipeline) fn paint(
     shot: &Shot,
     scene: &Scene,
     (parts, parts_of_layer): (&[PosedPart], &[Vec<usize>]),

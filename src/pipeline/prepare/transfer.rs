@@ -19,13 +19,13 @@ const TURNED_TOLERANCE_PX: f64 = 0.1;
 
 /// The lattices of a file, by frames of this shot.
 #[derive(Clone, Debug)]
-pub(crate) struct Loaded {
+pub(in crate::pipeline) struct Loaded {
     frames: BTreeMap<i32, SourceFrame>,
     has_branches: bool,
 }
 
 /// Loads the lattice files named by layers; one entry per layer.
-pub(crate) fn load(shot: &Shot, notes: &mut Vec<String>) -> Result<Vec<Option<Loaded>>, PipelineError> {
+pub(in crate::pipeline) fn load(shot: &Shot, notes: &mut Vec<String>) -> Result<Vec<Option<Loaded>>, PipelineError> {
     let mut loaded = Vec::with_capacity(shot.layers.len());
     for (index, layer) in shot.layers.iter().enumerate() {
         loaded.push(match &layer.transfer {
@@ -92,7 +92,7 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
 impl Loaded {
     /// Returns the state of the layer at a (fractional) frame of its keys. `rest_box` computes the box over which the
     /// lattice is laid and `shape` the shape that it moves; both are called only if needed.
-    pub(crate) fn state(
+    pub(in crate::pipeline) fn state(
         &self,
         shot: &Shot,
         layer: &Layer,

@@ -13,8 +13,8 @@ use std::sync::OnceLock;
 
 /// The lattice of one frame of a file, and its branches.
 #[derive(Clone, Debug)]
-pub(crate) struct SourceFrame {
-    pub(crate) lattice: ScreenLattice,
+pub(in crate::pipeline) struct SourceFrame {
+    pub(in crate::pipeline) lattice: ScreenLattice,
     branches: Option<LatticeBranches>,
     /// Computed on first use.
     parts: OnceLock<SourceParts>,
@@ -35,12 +35,12 @@ struct BranchPolygon {
 }
 
 impl SourceFrame {
-    pub(crate) fn new(lattice: ScreenLattice, branches: Option<LatticeBranches>) -> Self {
+    pub(in crate::pipeline) fn new(lattice: ScreenLattice, branches: Option<LatticeBranches>) -> Self {
         Self { lattice, branches, parts: OnceLock::new() }
     }
 
     /// Returns the branched lattice over a shape at rest.
-    pub(crate) fn over(&self, rest: &BranchedLattice<2>, fit: &LatticeFit) -> BranchedLattice<2> {
+    pub(in crate::pipeline) fn over(&self, rest: &BranchedLattice<2>, fit: &LatticeFit) -> BranchedLattice<2> {
         let SourceParts { lattices, regions } = self.parts.get_or_init(|| self.parts());
         let lattices: Vec<ScreenLattice> = lattices.iter().map(|lattice| lattice.transferred(fit).lattice).collect();
         rest.moved_by(&lattices, |point| branches_at(regions, self.lattice.origin_of(point, fit)))

@@ -8,7 +8,7 @@ use crate::shot::{Shot, Visibility};
 use crate::spelling;
 
 /// Removes the meshes of hidden nodes and returns those nodes.
-pub(crate) fn hide(shot: &Shot, scene: &mut Scene) -> Result<Vec<usize>, PipelineError> {
+pub(in crate::pipeline) fn hide(shot: &Shot, scene: &mut Scene) -> Result<Vec<usize>, PipelineError> {
     let Visibility { hide, show } = &shot.visibility;
     if hide.is_empty() && show.is_empty() {
         return Ok(Vec::new());

@@ -42,7 +42,7 @@ impl Contents {
 
 /// Digests of frames that share settings and files and also have files of their own.
 #[derive(Debug)]
-pub(crate) struct FrameDigests {
+pub(in crate::pipeline) struct FrameDigests {
     settings: String,
     shared: Vec<PathBuf>,
     sequences: Vec<SequencePath>,
@@ -51,7 +51,7 @@ pub(crate) struct FrameDigests {
 
 impl FrameDigests {
     /// Creates the digests from `shared`, the files of all frames, and `sequences`, which have one file per frame.
-    pub(crate) fn new<'a>(
+    pub(in crate::pipeline) fn new<'a>(
         settings: String,
         shared: &[&Path],
         sequences: impl Iterator<Item = &'a SequencePath>,
@@ -61,7 +61,7 @@ impl FrameDigests {
     }
 
     /// Returns the digest of a frame: its settings and the contents of its files, which are read on first use.
-    pub(crate) fn of(&self, frame: i32) -> String {
+    pub(in crate::pipeline) fn of(&self, frame: i32) -> String {
         let own: Vec<PathBuf> = self.sequences.iter().map(|sequence| sequence.path_of(frame)).collect();
         let files: Vec<&Path> = self.shared.iter().chain(&own).map(PathBuf::as_path).collect();
         digest_with(&self.settings, &self.contents.digest(&files))

@@ -122,6 +122,6 @@ pub struct Summary {
 }
 
 /// Serialises a path as text; bytes that are not Unicode are replaced, so that it is valid JSON.
-pub(crate) fn lossy<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+pub(in crate::pipeline) fn lossy<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
     to.serialize_str(&path.to_string_lossy())
 }

@@ -12,42 +12,42 @@ use serde_json::Value;
 /// Figures of a frame that was written.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
-pub(crate) struct FrameRecord {
+pub(in crate::pipeline) struct FrameRecord {
     /// One per solved layer; empty for frames warped by lattice files or STMaps.
-    pub(crate) layers: Vec<LayerRecord>,
+    pub(in crate::pipeline) layers: Vec<LayerRecord>,
     /// Number of pixels of a warped plate that a layer uncovered and no other layer covers, including those filled afterwards.
-    pub(crate) hole_pixels: usize,
+    pub(in crate::pipeline) hole_pixels: usize,
     /// Number of pixels of a warped plate where a layer overlaps itself.
-    pub(crate) folded_pixels: usize,
+    pub(in crate::pipeline) folded_pixels: usize,
     /// Number of colour samples of a plate that were NaN or infinite.
-    pub(crate) contained_samples: usize,
+    pub(in crate::pipeline) contained_samples: usize,
     /// Warnings about the frame.
-    pub(crate) warnings: Vec<String>,
+    pub(in crate::pipeline) warnings: Vec<String>,
 }
 
 /// Figures of one layer in one frame. `None`: not measured, as for lattices from a file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub(crate) struct LayerRecord {
+pub(in crate::pipeline) struct LayerRecord {
     /// Layer name.
-    pub(crate) layer: String,
+    pub(in crate::pipeline) layer: String,
     /// Largest distance of a pin from its target, pixels.
-    pub(crate) pin_error_px: Option<f64>,
+    pub(in crate::pipeline) pin_error_px: Option<f64>,
     /// Smallest determinant of the warp's gradient over the cells that contain part of the model.
-    pub(crate) min_det: Option<f64>,
+    pub(in crate::pipeline) min_det: Option<f64>,
     /// Number of folded cells that contain part of the model.
-    pub(crate) folded_cells: usize,
+    pub(in crate::pipeline) folded_cells: usize,
     /// Angular distortion: mean over area of s1/s2 + s2/s1 − 2.
-    pub(crate) angular: Option<f64>,
+    pub(in crate::pipeline) angular: Option<f64>,
     /// Area distortion: mean over area of s1·s2 + 1/(s1·s2) − 2.
-    pub(crate) area: Option<f64>,
+    pub(in crate::pipeline) area: Option<f64>,
     /// Unevenness of the motion.
-    pub(crate) jerk: Option<Jerk>,
+    pub(in crate::pipeline) jerk: Option<Jerk>,
     /// Whether the last step of the solve was below the tolerance.
-    pub(crate) is_converged: bool,
+    pub(in crate::pipeline) is_converged: bool,
 }
 
 impl FrameRecord {
-    pub(crate) fn of_render(report: &FrameReport) -> Self {
+    pub(in crate::pipeline) fn of_render(report: &FrameReport) -> Self {
         Self {
             layers: report.layers.iter().map(LayerRecord::of).collect(),
             warnings: report.warnings.clone(),
@@ -55,7 +55,7 @@ impl FrameRecord {
         }
     }
 
-    pub(crate) fn of_warp(report: &WarpReport) -> Self {
+    pub(in crate::pipeline) fn of_warp(report: &WarpReport) -> Self {
         Self {
             layers: Vec::new(),
             hole_pixels: report.hole_pixels,
@@ -66,13 +66,13 @@ impl FrameRecord {
     }
 
     /// Converts the record to the JSON stored in a file.
-    pub(crate) fn to_json(&self) -> Value {
+    pub(in crate::pipeline) fn to_json(&self) -> Value {
         serde_json::to_value(self).expect("numbers, texts and lists are always JSON")
     }
 
     /// Reads the record from a file's metadata; `None` if it holds none.
     #[cfg(any(feature = "cli", test))]
-    pub(crate) fn from_metadata(metadata: &FrameMetadata) -> Option<Self> {
+    pub(in crate::pipeline) fn from_metadata(metadata: &FrameMetadata) -> Option<Self> {
         serde_json::from_value(metadata.report.clone()).ok()
     }
 }

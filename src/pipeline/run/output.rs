@@ -8,7 +8,7 @@ use crate::plate::Holes;
 use std::path::Path;
 
 /// Creates the folder of a frame and checks that files can be created in it.
-pub(crate) fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
+pub(in crate::pipeline) fn prepare_folder(frame: &Path) -> Result<(), PipelineError> {
     let folder = frame.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let outcome = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
     outcome.map(drop).map_err(|source| PipelineError::Folder { path: folder.to_owned(), source })

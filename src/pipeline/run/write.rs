@@ -11,7 +11,7 @@ use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 /// The message from the drawing thread to the writer.
-pub(crate) enum Drawn {
+pub(in crate::pipeline) enum Drawn {
     /// A complete frame.
     Frame(Box<Frame>, Box<FrameFacts>),
     /// A frame that failed, and the error.
@@ -19,7 +19,7 @@ pub(crate) enum Drawn {
 }
 
 /// Writes frames and counts them.
-pub(crate) struct Writer<'a> {
+pub(in crate::pipeline) struct Writer<'a> {
     prepared: &'a PreparedShot,
     options: &'a RenderOptions,
     output: SequencePath,
@@ -30,7 +30,7 @@ pub(crate) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     /// Creates the writer; `shot_hash`: digest of the shot and of the contents of its files.
-    pub(crate) fn new(
+    pub(in crate::pipeline) fn new(
         prepared: &'a PreparedShot,
         options: &'a RenderOptions,
         (output, shot_hash): (SequencePath, String),
@@ -40,7 +40,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes all frames that arrive; one failed frame does not stop the others.
-    pub(crate) fn run(&mut self, drawns: Receiver<Drawn>, on_event: &(dyn Fn(Event) + Sync)) {
+    pub(in crate::pipeline) fn run(&mut self, drawns: Receiver<Drawn>, on_event: &(dyn Fn(Event) + Sync)) {
         for drawn in drawns {
             let (number, outcome) = match drawn {
                 Drawn::Frame(frame, facts) => (facts.report.frame, self.write(&frame, *facts)),
@@ -60,7 +60,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Returns the number of frames and the times.
-    pub(crate) fn summary(self) -> Summary {
+    pub(in crate::pipeline) fn summary(self) -> Summary {
         self.summary
     }
 
@@ -101,7 +101,7 @@ impl<'a> Writer<'a> {
 }
 
 /// Returns the digest of a preview, which differs with and without the overlay.
-pub(crate) fn preview_hash(shot_hash: &str, options: &RenderOptions) -> String {
+pub(in crate::pipeline) fn preview_hash(shot_hash: &str, options: &RenderOptions) -> String {
     let overlay = if options.has_overlay { "+overlay" } else { "" };
     format!("{shot_hash}{overlay}")
 }

@@ -16,31 +16,31 @@ const HEAVY: usize = 250_000;
 
 /// Returns the time of a layer's first knot. For layers on twos this is mid-exposure, so that drawings change half a
 /// frame away from the knots.
-pub(crate) fn first_knot(prepared: &PreparedShot, index: usize) -> f64 {
+pub(in crate::pipeline) fn first_knot(prepared: &PreparedShot, index: usize) -> f64 {
     let first = f64::from(prepared.shot.solve_range[0]);
     if prepared.shot.layers[index].step > 1 { prepared.mid_exposure_time(first) } else { first }
 }
 
 /// Callbacks of the caller that waits for a trajectory.
 #[derive(Clone, Copy)]
-pub(crate) struct Watcher<'a> {
+pub(in crate::pipeline) struct Watcher<'a> {
     /// Whether the trajectory is no longer wanted.
-    pub(crate) is_cancelled: &'a (dyn Fn() -> bool + Sync),
+    pub(in crate::pipeline) is_cancelled: &'a (dyn Fn() -> bool + Sync),
     /// Receives the number of completed parts and the total.
-    pub(crate) progress: &'a (dyn Fn(usize, usize) + Sync),
+    pub(in crate::pipeline) progress: &'a (dyn Fn(usize, usize) + Sync),
 }
 
 impl Watcher<'_> {
     /// Waits until the end and ignores progress.
-    pub(crate) const NONE: Self = Self { is_cancelled: &|| false, progress: &|_, _| () };
+    pub(in crate::pipeline) const NONE: Self = Self { is_cancelled: &|| false, progress: &|_, _| () };
 }
 
 /// A screen layer as a function of time.
-pub(crate) struct LayerTimeline<'a> {
-    pub(crate) prepared: &'a PreparedShot,
-    pub(crate) index: usize,
-    pub(crate) points: &'a [PinAnchor],
-    pub(crate) watcher: Watcher<'a>,
+pub(in crate::pipeline) struct LayerTimeline<'a> {
+    pub(in crate::pipeline) prepared: &'a PreparedShot,
+    pub(in crate::pipeline) index: usize,
+    pub(in crate::pipeline) points: &'a [PinAnchor],
+    pub(in crate::pipeline) watcher: Watcher<'a>,
 }
 
 impl LayerTimeline<'_> {
@@ -57,7 +57,7 @@ impl LayerTimeline<'_> {
     }
 
     /// Returns the layer's box and pins at a time, without a factored matrix, and the pins' targets.
-    pub(crate) fn unfactored(&self, sample: &TimeSample) -> Option<(LayerSolver, PinTargets)> {
+    pub(in crate::pipeline) fn unfactored(&self, sample: &TimeSample) -> Option<(LayerSolver, PinTargets)> {
         let layer = self.layer();
         let task = LayerTask { index: self.index, layer, anchors: self.prepared.anchors_of(self.index), weights: &[] };
         let targets = self.prepared.shot.pin_targets(self.index, self.prepared.key_frame(layer, sample.frame));
@@ -66,7 +66,7 @@ impl LayerTimeline<'_> {
 
     /// Returns the problem at a time; `None` if neither pins nor handles act. The first knot has no predecessor and is
     /// solved along the whole path of the pins.
-    pub(crate) fn problem(
+    pub(in crate::pipeline) fn problem(
         &self,
         sample: &TimeSample,
         solver: &mut LayerSolver,

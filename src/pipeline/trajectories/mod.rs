@@ -40,7 +40,7 @@ impl PreparedShot {
 }
 
 /// Whether the frames of a layer are solved together.
-pub(crate) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
+pub(in crate::pipeline) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
     let layer = &prepared.shot.layers[index];
     let is_moved = !layer.pins.is_empty() || !layer.handles.is_empty();
     let Settings { temporal, guard, .. } = layer.settings;
@@ -53,7 +53,7 @@ pub(crate) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
 }
 
 /// Information for the user on a layer that is solved over time.
-pub(crate) enum TimedNote {
+pub(in crate::pipeline) enum TimedNote {
     /// A sudden jump is spread over several frames, including this one.
     Spread(Spread),
     /// The reason why its frames are solved one by one nevertheless.
@@ -63,7 +63,7 @@ pub(crate) enum TimedNote {
 }
 
 /// Returns the information on a layer in a frame.
-pub(crate) fn note_at(prepared: &PreparedShot, index: usize, frame: i32) -> Option<TimedNote> {
+pub(in crate::pipeline) fn note_at(prepared: &PreparedShot, index: usize, frame: i32) -> Option<TimedNote> {
     if !has_trajectory(prepared, index) {
         return None;
     }
@@ -82,7 +82,7 @@ pub(crate) fn note_at(prepared: &PreparedShot, index: usize, frame: i32) -> Opti
 ///
 /// # Errors
 /// As [`trajectory`].
-pub(crate) fn facts(
+pub(in crate::pipeline) fn facts(
     prepared: &PreparedShot,
     index: usize,
     watcher: Watcher,
@@ -97,7 +97,11 @@ pub(crate) fn facts(
 ///
 /// # Errors
 /// [`PipelineError::Solve`] if the watcher cancels it.
-pub(crate) fn trajectory(prepared: &PreparedShot, index: usize, watcher: Watcher) -> Result<Outcome<2>, PipelineError> {
+pub(in crate::pipeline) fn trajectory(
+    prepared: &PreparedShot,
+    index: usize,
+    watcher: Watcher,
+) -> Result<Outcome<2>, PipelineError> {
     let first = f64::from(prepared.shot.solve_range[0]);
     let made = prepared.cache.trajectories.of(index, || {
         let points = watched_points(prepared, index, first);
@@ -114,7 +118,7 @@ pub(crate) fn trajectory(prepared: &PreparedShot, index: usize, watcher: Watcher
 ///
 /// # Errors
 /// As [`trajectory`].
-pub(crate) fn world_trajectory(
+pub(in crate::pipeline) fn world_trajectory(
     prepared: &PreparedShot,
     index: usize,
     watcher: Watcher,

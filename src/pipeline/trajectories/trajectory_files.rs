@@ -35,7 +35,7 @@ pub enum Keeping {
 
 /// The folders in which trajectories are stored.
 #[derive(Clone, Debug)]
-pub(crate) struct TrajectoryFiles {
+pub(in crate::pipeline) struct TrajectoryFiles {
     /// All are read; the first is written.
     folders: Vec<PathBuf>,
     keeping: Keeping,
@@ -43,11 +43,11 @@ pub(crate) struct TrajectoryFiles {
 
 /// The key of a file: the layer, and a digest of all inputs of its trajectory.
 #[derive(Clone, Debug)]
-pub(crate) struct FileKey {
+pub(in crate::pipeline) struct FileKey {
     /// Names shot and layer, for users and for removing old files.
-    pub(crate) prefix: String,
+    pub(in crate::pipeline) prefix: String,
     /// 32 hexadecimal digits.
-    pub(crate) digest: String,
+    pub(in crate::pipeline) digest: String,
 }
 
 impl FileKey {
@@ -58,7 +58,7 @@ impl FileKey {
 
 impl TrajectoryFiles {
     /// Creates the store beside frames given by their path patterns.
-    pub(crate) fn beside<'a>(outputs: impl IntoIterator<Item = &'a Path>, keeping: Keeping) -> Self {
+    pub(in crate::pipeline) fn beside<'a>(outputs: impl IntoIterator<Item = &'a Path>, keeping: Keeping) -> Self {
         let folder = |output: &Path| {
             let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty());
             parent.unwrap_or(Path::new(".")).join(FOLDER)
@@ -69,7 +69,7 @@ impl TrajectoryFiles {
     }
 
     /// Returns the bytes stored under a key, and the file.
-    pub(crate) fn read(&self, key: &FileKey) -> Option<(Vec<u8>, PathBuf)> {
+    pub(in crate::pipeline) fn read(&self, key: &FileKey) -> Option<(Vec<u8>, PathBuf)> {
         let paths = self.folders.iter().map(|folder| folder.join(key.file_name()));
         paths.into_iter().find_map(|path| {
             let file = fs::read(&path).ok()?;
@@ -83,7 +83,7 @@ impl TrajectoryFiles {
 
     /// Stores bytes under a key if the run may write, and returns the file. Failures are only logged, because other
     /// runs can compute the bytes again.
-    pub(crate) fn write(&self, key: &FileKey, bytes: &[u8]) -> Option<PathBuf> {
+    pub(in crate::pipeline) fn write(&self, key: &FileKey, bytes: &[u8]) -> Option<PathBuf> {
         let folder = self.folders.first().filter(|_| self.keeping == Keeping::Write)?;
         let path = folder.join(key.file_name());
         let mut file = HEAD.to_vec();

@@ -16,7 +16,7 @@ const LONGEST_NAME: usize = 40;
 
 impl PreparedShot {
     /// Returns the key of a layer's trajectory.
-    pub(crate) fn trajectory_key(&self, index: usize) -> FileKey {
+    pub(in crate::pipeline) fn trajectory_key(&self, index: usize) -> FileKey {
         let shared = *self.cache.trajectory_inputs.get_or_init(|| self.trajectory_inputs());
         let mut digest = Digest::default();
         digest.add(&(shared, index));

@@ -10,7 +10,7 @@ use glam::DVec3;
 const WATCHED_POINTS: usize = 256;
 
 /// Returns points spread evenly over the area of a layer's triangles in a frame, or the vertices of a layer that has only lines.
-pub(crate) fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) -> Vec<PinAnchor> {
+pub(in crate::pipeline) fn watched_points(prepared: &PreparedShot, index: usize, frame: f64) -> Vec<PinAnchor> {
     let (pose, _) = prepared.view(frame);
     let mut areas = Vec::new();
     let mut total = 0.0;

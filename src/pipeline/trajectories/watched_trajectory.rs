@@ -8,18 +8,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The trajectory of a layer.
 #[derive(Debug)]
-pub(crate) struct WatchedTrajectory<const D: usize> {
-    pub(crate) trajectory: Trajectory<D>,
-    pub(crate) points: Vec<PinAnchor>,
+pub(in crate::pipeline) struct WatchedTrajectory<const D: usize> {
+    pub(in crate::pipeline) trajectory: Trajectory<D>,
+    pub(in crate::pipeline) points: Vec<PinAnchor>,
     /// The file that stores it.
-    pub(crate) file: Option<PathBuf>,
+    pub(in crate::pipeline) file: Option<PathBuf>,
     /// Whether it was read from that file.
-    pub(crate) is_read: bool,
+    pub(in crate::pipeline) is_read: bool,
 }
 
 /// The outcome of solving a layer over time.
 #[derive(Clone, Debug)]
-pub(crate) enum Outcome<const D: usize> {
+pub(in crate::pipeline) enum Outcome<const D: usize> {
     /// The trajectory.
     Solved(Arc<WatchedTrajectory<D>>),
     /// The reason why there is none; each frame is then solved alone.
@@ -28,20 +28,20 @@ pub(crate) enum Outcome<const D: usize> {
 
 /// Figures of a trajectory of a screen or world layer.
 #[derive(Clone, Debug)]
-pub(crate) struct Facts {
+pub(in crate::pipeline) struct Facts {
     /// Number of knots: times solved together with their neighbours.
-    pub(crate) knots: usize,
+    pub(in crate::pipeline) knots: usize,
     /// Frames over which a sudden jump is spread.
-    pub(crate) spreads: Vec<Spread>,
+    pub(in crate::pipeline) spreads: Vec<Spread>,
     /// The file that stores it.
-    pub(crate) file: Option<PathBuf>,
+    pub(in crate::pipeline) file: Option<PathBuf>,
     /// Whether it was read from that file.
-    pub(crate) is_read: bool,
+    pub(in crate::pipeline) is_read: bool,
 }
 
 impl<const D: usize> Outcome<D> {
     /// Returns the figures of the trajectory, or the reason why there is none.
-    pub(crate) fn facts(&self) -> Result<Facts, Arc<str>> {
+    pub(in crate::pipeline) fn facts(&self) -> Result<Facts, Arc<str>> {
         match self {
             Self::Failed(why) => Err(Arc::clone(why)),
             Self::Solved(kept) => Ok(Facts {
@@ -56,7 +56,7 @@ impl<const D: usize> Outcome<D> {
 
 /// Outcomes by layer. A caller waits for an outcome that another thread is computing, but only for that layer.
 #[derive(Debug)]
-pub(crate) struct Trajectories<const D: usize>(Mutex<HashMap<usize, Arc<Mutex<Option<Outcome<D>>>>>>);
+pub(in crate::pipeline) struct Trajectories<const D: usize>(Mutex<HashMap<usize, Arc<Mutex<Option<Outcome<D>>>>>>);
 
 impl<const D: usize> Default for Trajectories<D> {
     fn default() -> Self {
@@ -66,7 +66,11 @@ impl<const D: usize> Default for Trajectories<D> {
 
 impl<const D: usize> Trajectories<D> {
     /// Returns the outcome of a layer, which is computed on first use; errors are not cached.
-    pub(crate) fn of<E>(&self, layer: usize, make: impl FnOnce() -> Result<Outcome<D>, E>) -> Result<Outcome<D>, E> {
+    pub(in crate::pipeline) fn of<E>(
+        &self,
+        layer: usize,
+        make: impl FnOnce() -> Result<Outcome<D>, E>,
+    ) -> Result<Outcome<D>, E> {
         let own = Arc::clone(self.0.lock().unwrap_or_else(PoisonError::into_inner).entry(layer).or_default());
         let mut own = own.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = &*own {
@@ -78,13 +82,13 @@ impl<const D: usize> Trajectories<D> {
     }
 
     /// Whether the outcome of a layer has been computed.
-    pub(crate) fn is_known(&self, layer: usize) -> bool {
+    pub(in crate::pipeline) fn is_known(&self, layer: usize) -> bool {
         let own = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(&layer).map(Arc::clone);
         own.is_some_and(|own| own.try_lock().is_ok_and(|own| own.is_some()))
     }
 
     /// Removes the outcomes of layers for which `is_kept` is false.
-    pub(crate) fn retain(&self, is_kept: impl Fn(usize) -> bool) {
+    pub(in crate::pipeline) fn retain(&self, is_kept: impl Fn(usize) -> bool) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|&layer, _| is_kept(layer));
     }
 }

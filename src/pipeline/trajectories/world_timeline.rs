@@ -10,11 +10,11 @@ use crate::shot::{Layer, LayerSpace};
 use crate::solve::{Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
 
 /// A world layer as a function of time.
-pub(crate) struct WorldTimeline<'a> {
-    pub(crate) prepared: &'a PreparedShot,
-    pub(crate) index: usize,
-    pub(crate) points: &'a [PinAnchor],
-    pub(crate) watcher: Watcher<'a>,
+pub(in crate::pipeline) struct WorldTimeline<'a> {
+    pub(in crate::pipeline) prepared: &'a PreparedShot,
+    pub(in crate::pipeline) index: usize,
+    pub(in crate::pipeline) points: &'a [PinAnchor],
+    pub(in crate::pipeline) watcher: Watcher<'a>,
 }
 
 impl WorldTimeline<'_> {
@@ -23,7 +23,7 @@ impl WorldTimeline<'_> {
     }
 
     /// Returns the diagonal of the box at a time, metres; 1 if there is no box.
-    pub(crate) fn size(&self, time: f64) -> f64 {
+    pub(in crate::pipeline) fn size(&self, time: f64) -> f64 {
         let (pose, camera) = self.prepared.view(time);
         WorldLayer::at(self.prepared, self.index, time, (&pose, &camera)).map_or(1.0, |layer| layer.grid.diagonal())
     }
