@@ -3,7 +3,7 @@
 //! The host is that of the tests: it notes every misuse of a handle, an image or a property, and fails for it. Addresses
 //! that a host gives (handles, suites, pixels) are right; AddressSanitizer sees what the plugin does with them.
 #![no_main]
-#![allow(dead_code, reason = "the host offers more than this target needs")]
+#![allow(dead_code, unused_imports, reason = "the host offers more than this target needs")]
 
 #[path = "../../../ofx/host/mod.rs"]
 mod host;
