@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// Maximum displacement of After Effects, in pixels.
-const MOST_PX: u32 = 32_000;
+const MAX_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
@@ -76,8 +76,8 @@ impl<'a> Displacement<'a> {
             farthest = farthest.max(greatest_offset(&maps.map(frame, silhouette.as_mut())?));
         }
         let reach_px = farthest.ceil().max(1.0) as u32;
-        if reach_px > MOST_PX {
-            bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
+        if reach_px > MAX_PX {
+            bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MAX_PX})");
         }
         let pattern = with_ending(stem, &format!(".displacement_{reach_px}px.####.png"));
         let note = DisplacementNote {

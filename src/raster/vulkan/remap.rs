@@ -80,7 +80,7 @@ pub struct VulkanRemap {
     layout: PipelineLayout,
     device: Arc<Device>,
     /// Maximum bytes of a buffer.
-    most_bytes: u64,
+    max_bytes: u64,
 }
 
 /// The planes of a dispatch, and their position.
@@ -127,7 +127,7 @@ impl VulkanRemap {
             set,
             descriptors,
             layout,
-            most_bytes: device.facts().max_buffer_bytes,
+            max_bytes: device.facts().max_buffer_bytes,
             device,
         };
         let table: &[u8] = bytemuck::cast_slice(lanczos_table());
@@ -143,7 +143,7 @@ impl VulkanRemap {
 
     /// Limits the size of buffers in bytes; more and smaller tiles then give the same picture.
     pub fn limit_buffers(&mut self, bytes: u64) {
-        self.most_bytes = self.device.facts().max_buffer_bytes.min(bytes);
+        self.max_bytes = self.device.facts().max_buffer_bytes.min(bytes);
     }
 
     /// Resamples the planes through the map, as [`resampled`](crate::plate::resampled) does: one output per input
@@ -176,7 +176,7 @@ impl VulkanRemap {
         let extents = Extent::of_window(source.window, map.frame.window());
         let start = [map.window.x - source.window.x, map.window.y - source.window.y];
         let texel_bytes = (size_of::<f32>() * source.planes.len().clamp(2, GROUP)) as u64;
-        let most = usize::try_from(self.most_bytes / texel_bytes).unwrap_or(usize::MAX);
+        let most = usize::try_from(self.max_bytes / texel_bytes).unwrap_or(usize::MAX);
         let tiles = Cut { map, extents, start, filter, most }.tiles();
         let mut uploaded = None;
         for (planes, results) in source.planes.chunks(GROUP).zip(results.chunks_mut(GROUP)) {

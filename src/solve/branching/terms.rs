@@ -28,7 +28,7 @@ const MAX_TIE_FACTOR: f64 = 1e8;
 const CHOICE_EXPONENT: i32 = 16;
 
 /// Area of a part of the shape, as a fraction of a cell, from which on its rows have full weight.
-const FULL_SHARE: f64 = 0.02;
+const FULL_FRACTION: f64 = 0.02;
 
 impl<const D: usize> Branching<D> {
     /// The energy `area` over all branches, with the discs of pins and the ties between copies.
@@ -196,7 +196,7 @@ impl<const D: usize> Branching<D> {
 
     /// The area from which on a part of the shape has full weight.
     pub(super) fn full_area(&self) -> f64 {
-        FULL_SHARE * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
+        FULL_FRACTION * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
     }
 
     /// The copy of a handle in a branch.
