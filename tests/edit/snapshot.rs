@@ -3,7 +3,7 @@
 //! All of it is drawn on the CPU by code of this program, with the toolkit's own fonts, so pictures hardly differ from machine to machine.
 //! `UPDATE=1` writes them anew.
 
-use crate::stage::{PATIENCE, Stage, at, place_pin, press};
+use crate::stage::{Stage, TIMEOUT, at, place_pin, press};
 use pinwarp::edit::ui::{EditorOptions, Theme, screenshot};
 use pinwarp::image::{Plate, read_picture};
 use pinwarp::raster::DeviceChoice;
@@ -55,7 +55,7 @@ fn the_window_looks_as_it_did() {
         place_pin(&mut session, at(x, y));
     }
     session.go(3);
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     let mark = session.marks()[0].pins[2].target.0;
     press(&mut session, at(mark.x, mark.y));
     session.motion(at(mark.x + 0.06, mark.y + 0.08));
