@@ -121,7 +121,7 @@ fn a_lattice_in_the_scene_is_edited_beside_one_of_the_screen() {
 }
 
 #[test]
-fn broken_files_are_told_and_a_shot_that_breaks_on_disk_changes_nothing() {
+fn broken_files_are_reported_and_a_shot_that_breaks_on_disk_changes_nothing() {
     let stage = Stage::new();
     let told = |path: &Path| open(path, FileAccess::SceneFolder).map(|_| ()).expect_err("it is broken").to_string();
     let folder = stage.folder.path();

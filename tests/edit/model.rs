@@ -172,7 +172,7 @@ fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
 }
 
 #[test]
-fn a_faulty_edit_is_told_and_changes_nothing() {
+fn a_faulty_edit_is_reported_and_changes_nothing() {
     let stage = Stage::new();
     let mut session = stage.session();
     session.set_shot("Frames", &["frames", "last"], &pinwarp::shot::edit::Setting::Whole(-5), None);

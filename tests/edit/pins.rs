@@ -48,7 +48,7 @@ fn a_soft_pin_gives_way_and_a_muted_one_rests() {
 }
 
 #[test]
-fn what_is_done_to_one_side_is_done_to_the_other() {
+fn edits_are_mirrored_to_the_other_side() {
     let stage = Stage::new();
     let mut session = stage.session();
     for (index, (x, name)) in [(0.3, "ear left"), (0.65, "ear right")].into_iter().enumerate() {

@@ -203,7 +203,7 @@ fn a_curve_is_dragged_and_a_pin_is_muted() {
 
 /// Every control that is seen has a name.
 #[test]
-fn what_can_be_clicked_has_a_name() {
+fn clickable_widgets_have_names() {
     let stage = Stage::new();
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);
