@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tiny::{Tiny, grid};
 
-const PATIENCE: Duration = Duration::from_secs(180);
+const TIMEOUT: Duration = Duration::from_secs(180);
 
 /// Pointer moves of a drag.
 const MOVES: usize = 60;
@@ -70,7 +70,7 @@ fn wait<T>(session: &mut Session, find: impl Fn(&Session) -> Option<T>) -> T {
         if let Some(found) = find(session) {
             return found;
         }
-        assert!(begun.elapsed() < PATIENCE, "{:?}", session.fault());
+        assert!(begun.elapsed() < TIMEOUT, "{:?}", session.fault());
         std::thread::sleep(Duration::from_micros(100));
     }
 }
@@ -91,7 +91,7 @@ fn pin(session: &mut Session) -> ScreenPoint {
     session.press(ScreenPoint::new(0.5 * aspect, 0.55), (0.01, RING), Held::default());
     session.release();
     wait(session, |session| session.selection.single_pin());
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     session.marks()[0].pins[0].target
 }
 
@@ -100,14 +100,14 @@ fn measure(name: &str, document: impl Fn() -> Document) {
     let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
     wait(&mut session, |session| session.picture().map(|_| ()));
     println!("{name}: open to the first picture {:.0} ms", ms(begun));
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     println!("{name}: open to the rendered frame {:.0} ms", ms(begun));
     let from = pin(&mut session);
     let (marks, pictures) = drag(&mut session, from);
     let size = session.picture().map_or([0, 0], |picture| picture.size);
     let released = Instant::now();
     session.release();
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     println!("{name}: pointer to marks {}", spread(marks));
     println!("{name}: pointer to picture {}, {} x {}", spread(pictures), size[0], size[1]);
     println!("{name}: release to the rendered frame {:.0} ms", ms(released));
@@ -162,13 +162,13 @@ fn crowd(name: &str, document: impl Fn() -> Document) {
 /// A long session on many frames: pins are dragged, some drags are undone, frames are rendered.
 fn work(name: &str, document: impl Fn() -> Document) {
     let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let begun = Instant::now();
     let [first, last] = session.playhead.shot_range();
     let mut told = Vec::new();
     for round in 0..ROUNDS {
         session.go(first + (7 * round as i32).rem_euclid(last - first + 1));
-        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
         let from = pin(&mut session);
         session.press(from, (0.01, RING), Held::default());
         for step in 1..=8 {
@@ -177,7 +177,7 @@ fn work(name: &str, document: impl Fn() -> Document) {
             wait(&mut session, |session| session.solve().map(|_| ()));
         }
         session.release();
-        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
         if round % 3 > 0 {
             session.undo();
         }

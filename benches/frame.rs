@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 const LONG: i32 = 200;
 
 /// Frames after which its memory is first read.
-const SETTLED: usize = 20;
+const WARM_UP: usize = 20;
 
 fn main() {
     let folder = tempfile::tempdir().expect("a temporary folder can be made");
@@ -28,10 +28,10 @@ fn main() {
         };
         run(&prepared, (1..=LONG).collect(), DeviceChoice::Cpu, &look);
         let memory = memory.into_inner().expect("no panic holds it");
-        let late = memory[SETTLED..].iter().fold(0.0, |a: f64, &b| a.max(b));
+        let late = memory[WARM_UP..].iter().fold(0.0, |a: f64, &b| a.max(b));
         println!(
-            "resident memory of {LONG} frames: {:.0} MiB after {SETTLED}, {late:.0} MiB at most later\n",
-            memory[SETTLED]
+            "resident memory of {LONG} frames: {:.0} MiB after {WARM_UP}, {late:.0} MiB at most later\n",
+            memory[WARM_UP]
         );
     }
     println!(

@@ -102,14 +102,14 @@ class Load:
 
     def measure(self, words: list[str]) -> tuple[float, float, float]:
         """Wall time and processor time in seconds, and peak memory in MiB."""
-        with open(self.work / "said", "wb") as said:
+        with open(self.work / "log", "wb") as log:
             start = time.monotonic()
-            process = subprocess.Popen([str(self.program), *words], cwd=self.work, stdout=said, stderr=said)
+            process = subprocess.Popen([str(self.program), *words], cwd=self.work, stdout=log, stderr=log)
             _, status, used = os.wait4(process.pid, 0)
             wall = time.monotonic() - start
             process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
-            text = (self.work / "said").read_text(errors="replace")
+            text = (self.work / "log").read_text(errors="replace")
             raise SystemExit(f"{' '.join(words)}: exit code {process.returncode}\n{text[-3000:]}")
         return wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
 

@@ -16,7 +16,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
 /// Smallest and largest number of runs per row.
-const TURNS: [usize; 2] = [2, 25];
+const RUNS: [usize; 2] = [2, 25];
 /// A row is not run again after this many milliseconds in total.
 const ENOUGH_MS: f64 = 3000.0;
 
@@ -178,9 +178,9 @@ fn measure(case: &Case, threads: usize, others: &mut Others) -> Vec<f64> {
     let mut outputs = vec![vec![0.0; case.frame.window().area()]; 4];
     let rows = rows();
     let (mut fastest, mut spent) = (vec![f64::INFINITY; rows.len()], vec![0.0; rows.len()]);
-    for turn in 0..TURNS[1] {
+    for run in 0..RUNS[1] {
         for (k, row) in rows.iter().enumerate() {
-            if turn < TURNS[0] || spent[k] < ENOUGH_MS {
+            if run < RUNS[0] || spent[k] < ENOUGH_MS {
                 let time = time(row.run, case, &pool, &mut outputs, others);
                 fastest[k] = fastest[k].min(time);
                 spent[k] += time;

@@ -32,7 +32,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 FRAMES = 12
 # Longest duration of a run in seconds; a longer run counts as hung.
-PATIENCE = 300
+TIMEOUT = 300
 # Folder next to the frames that is meant to stay.
 TRAJECTORIES = ".pinwarp-trajectories"
 
@@ -61,37 +61,37 @@ class Job:
 class Soak:
     """The work folder, the program and the random generator."""
 
-    def __init__(self, program: pathlib.Path, work: pathlib.Path, dice: random.Random):
-        self.program, self.work, self.dice = program, work, dice
+    def __init__(self, program: pathlib.Path, work: pathlib.Path, rng: random.Random):
+        self.program, self.work, self.rng = program, work, rng
         self.skipped: list[str] = []
         self.kills = 0
         # Number of kills that left an incomplete file under its temporary name.
         self.partial = 0
 
     def start(self, words: list[str], before: tuple[str, ...] = ()) -> subprocess.Popen:
-        with open(self.work / "said", "wb") as said:
+        with open(self.work / "log", "wb") as log:
             return subprocess.Popen(
                 [*before, str(self.program), *words],
                 cwd=self.work,
                 stdin=subprocess.DEVNULL,
-                stdout=said,
+                stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
 
-    def said(self) -> str:
-        return (self.work / "said").read_text(errors="replace")
+    def log(self) -> str:
+        return (self.work / "log").read_text(errors="replace")
 
     def run(self, words: list[str], code: int | None = 0, before: tuple[str, ...] = ()) -> int:
         """Runs a command to its end and checks its exit code, unless `code` is `None`."""
         process = self.start(words, before)
         try:
-            ended = process.wait(PATIENCE)
+            ended = process.wait(TIMEOUT)
         except subprocess.TimeoutExpired:
             kill_all(process)
-            raise Broken(f"{' '.join(words)}: does not end within {PATIENCE} s") from None
+            raise Broken(f"{' '.join(words)}: does not end within {TIMEOUT} s") from None
         if code is not None and ended != code:
-            raise Broken(f"{' '.join(words)}: exit code {ended}, not {code}:\n{self.said()[-2000:]}")
+            raise Broken(f"{' '.join(words)}: exit code {ended}, not {code}:\n{self.log()[-2000:]}")
         return ended
 
     def skip(self, what: str) -> None:
@@ -213,8 +213,8 @@ def jobs(soak: Soak, devices: list[str]) -> list[Job]:
 
 def wait_for_the_moment(soak: Soak, job: Job, folder: pathlib.Path, process: subprocess.Popen) -> bool:
     """Waits until a random moment of the run, in half of all cases one while a file is being written; returns whether it still runs."""
-    end = time.monotonic() + soak.dice.uniform(0, job.seconds)
-    while_writing = soak.dice.random() < 0.5
+    end = time.monotonic() + soak.rng.uniform(0, job.seconds)
+    while_writing = soak.rng.random() < 0.5
     while time.monotonic() < end:
         if process.poll() is not None:
             return False
@@ -223,7 +223,7 @@ def wait_for_the_moment(soak: Soak, job: Job, folder: pathlib.Path, process: sub
         end = time.monotonic() + job.seconds
         while process.poll() is None and time.monotonic() < end:
             if folder.is_dir() and any(name.endswith(".tmp") for name in listed(folder)):
-                time.sleep(soak.dice.uniform(0, 0.01))
+                time.sleep(soak.rng.uniform(0, 0.01))
                 break
     return process.poll() is None
 
@@ -242,7 +242,7 @@ def kill_once(
     else:
         job.early += 1
         if process.returncode not in ((0, 1, 2) if may_fail else (0,)):
-            raise Broken(f"{job.name}: exit code {process.returncode}:\n{soak.said()[-2000:]}")
+            raise Broken(f"{job.name}: exit code {process.returncode}:\n{soak.log()[-2000:]}")
     check_whole(job, folder)
 
 
@@ -251,8 +251,8 @@ def kills(soak: Soak, job: Job, count: int) -> None:
     runs = 0
     while job.kills < count:
         folder = soak.folder("killed")
-        more = soak.dice.choice([["--resume"], ["--resume", "--verify"], ["--resume", "--fsync"]])
-        for _ in range(soak.dice.randint(1, 4)):
+        more = soak.rng.choice([["--resume"], ["--resume", "--verify"], ["--resume", "--fsync"]])
+        for _ in range(soak.rng.randint(1, 4)):
             kill_once(soak, job, folder, job.command(folder, *more))
         soak.run(job.command(folder, *more))
         check_finished(job, folder)
@@ -263,20 +263,20 @@ def kills(soak: Soak, job: Job, count: int) -> None:
 def farm(soak: Soak, job: Job) -> None:
     """Runs chunks in random order, two at a time; kills some and restarts them until all succeed; then runs the report."""
     folder = soak.folder("farm")
-    size = soak.dice.randint(1, 5)
+    size = soak.rng.randint(1, 5)
     waiting = [(first, min(first + size - 1, FRAMES)) for first in range(1, FRAMES + 1, size)]
-    soak.dice.shuffle(waiting)
+    soak.rng.shuffle(waiting)
     running: list[tuple[subprocess.Popen, tuple[int, int], float]] = []
     retries = 0
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     while waiting or running:
         if time.monotonic() > deadline:
             raise Broken(f"{job.name}: the farm does not end")
         while waiting and len(running) < 2:
             chunk = waiting.pop()
             process = soak.start(job.command(folder, "--frames", "{}-{}".format(*chunk), "--resume"))
-            is_doomed = soak.dice.random() < 0.6
-            running.append((process, chunk, time.monotonic() + soak.dice.uniform(0, job.seconds) if is_doomed else 1e12))
+            is_doomed = soak.rng.random() < 0.6
+            running.append((process, chunk, time.monotonic() + soak.rng.uniform(0, job.seconds) if is_doomed else 1e12))
         for entry in list(running):
             process, chunk, doom = entry
             if process.poll() is None and time.monotonic() > doom:
@@ -286,7 +286,7 @@ def farm(soak: Soak, job: Job) -> None:
                 running.remove(entry)
                 check_whole(job, folder)
                 if process.returncode not in (0, -signal.SIGKILL):
-                    raise Broken(f"{job.name}: a chunk ends with {process.returncode}:\n{soak.said()[-2000:]}")
+                    raise Broken(f"{job.name}: a chunk ends with {process.returncode}:\n{soak.log()[-2000:]}")
                 if process.returncode != 0:
                     retries += 1
                     waiting.insert(0, chunk)
@@ -309,17 +309,17 @@ def openjd(soak: Soak, job: Job, times: int) -> None:
     soak.run(["job", "teapot.toml", *program, "-o", "soak.json", "--overwrite", "--", *more])
     command = [tool, "run", "soak.json", "--step", "Report", "--run-dependencies"]
     for attempt in range(times + 1):
-        with open(soak.work / "said", "wb") as said:
-            process = subprocess.Popen(command, cwd=soak.work, stdout=said, stderr=said, start_new_session=True)
+        with open(soak.work / "log", "wb") as log:
+            process = subprocess.Popen(command, cwd=soak.work, stdout=log, stderr=log, start_new_session=True)
         is_last = attempt == times
         if not is_last:
-            time.sleep(soak.dice.uniform(0.5, 2 + job.seconds))
+            time.sleep(soak.rng.uniform(0.5, 2 + job.seconds))
             if process.poll() is None:
                 kill_all(process)
                 soak.kills += 1
             check_whole(job, folder)
-        elif process.wait(PATIENCE) != 0:
-            raise Broken(f"openjd ends with {process.returncode}:\n{soak.said()[-2000:]}")
+        elif process.wait(TIMEOUT) != 0:
+            raise Broken(f"openjd ends with {process.returncode}:\n{soak.log()[-2000:]}")
     check_finished(job, folder)
     print(f"{job.name}: openjd run, killed {times} times: same bytes", flush=True)
 
@@ -376,11 +376,11 @@ def full_disk(soak: Soak, job: Job, kind: str, share: float) -> None:
         folder = disk / "out"
         ballast = fill(disk, int(share * needed))
         words = job.command(folder, "--resume")
-        code, said = soak.run(words, None), soak.said()
+        code, log = soak.run(words, None), soak.log()
         if code not in (1, 2):
-            raise Broken(f"{job.name}: exit code {code} on a full disk:\n{said[-2000:]}")
-        if any(part not in said for part in ("o space left", "free some space", str(folder))):
-            raise Broken(f"{job.name}: on a full disk it says\n{said[-2000:]}")
+            raise Broken(f"{job.name}: exit code {code} on a full disk:\n{log[-2000:]}")
+        if any(part not in log for part in ("o space left", "free some space", str(folder))):
+            raise Broken(f"{job.name}: on a full disk it says\n{log[-2000:]}")
         whole = check_whole(job, folder)
         if stray := [name for name in listed(folder) if is_temporary(name)]:
             raise Broken(f"{job.name}: {stray} stay on a full disk")
@@ -424,7 +424,7 @@ def soak_all(soak: Soak, options: argparse.Namespace) -> None:
     for job in (job for job in chosen if job.name.startswith("render") and "teapot.toml" in job.words):
         openjd(soak, job, 4)
     for job in chosen:
-        for kind, share in (("tmpfs", 0.02), ("tmpfs", soak.dice.uniform(0.1, 0.9)), ("ext4", soak.dice.uniform(0.3, 0.9))):
+        for kind, share in (("tmpfs", 0.02), ("tmpfs", soak.rng.uniform(0.1, 0.9)), ("ext4", soak.rng.uniform(0.3, 0.9))):
             full_disk(soak, job, kind, share)
     for job in chosen:
         slow_disk(soak, job, 4)

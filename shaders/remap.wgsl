@@ -6,13 +6,13 @@
 // NaNs.
 
 /// Replaces infinities: 65504, the largest finite half, as bits.
-const GREATEST: u32 = 0x477fe000u;
-/// Smallest share of the weights that must fall on numbers for a sum to be used.
-const LEAST_PRESENCE: f32 = 0.25;
+const MAX_HALF: u32 = 0x477fe000u;
+/// Smallest fraction of the weights that must fall on numbers for a sum to be used.
+const MIN_PRESENCE: f32 = 0.25;
 /// Largest minification that is filtered in full.
 const SHRINK_LIMIT: f32 = 16.0;
 /// Minifications up to this factor are ignored.
-const SLACK: f32 = 1.02;
+const MIN_MINIFICATION: f32 = 1.02;
 /// Entries per sample spacing in the table of Lanczos weights, and numbers per row of the table.
 const STEPS: i32 = 1024;
 const ROW: i32 = 8;
@@ -25,7 +25,7 @@ struct Push {
     area: vec2<u32>,
     /// Position of the area's first pixel among the offsets, and their number across and down.
     first: vec2<i32>,
-    net: vec2<i32>,
+    offset_count: vec2<i32>,
     /// The sample that zero offset gives to the first pixel.
     start: vec2<i32>,
     /// Number of samples of the whole picture, across and down.
@@ -63,7 +63,7 @@ var<immediate> push: Push;
 @group(0) @binding(3) var<storage, read_write> result: array<u32>;
 
 /// Whether a NaN was read.
-var<private> lacks: bool;
+var<private> found_nan: bool;
 /// Whether texels are read as presence: 1 for numbers, 0 for NaNs.
 var<private> reads_presence: bool;
 
@@ -102,11 +102,11 @@ fn texel_at(place: vec2<i32>) -> vec4<f32> {
     let bits = bits_at(place);
     let magnitude = bits & vec4<u32>(0x7fffffffu);
     let is_nan = magnitude > vec4<u32>(0x7f800000u);
-    lacks = lacks || any(is_nan);
+    found_nan = found_nan || any(is_nan);
     if reads_presence {
         return select(vec4<f32>(1.0), vec4<f32>(0.0), is_nan);
     }
-    let greatest = (bits & vec4<u32>(0x80000000u)) | vec4<u32>(GREATEST);
+    let greatest = (bits & vec4<u32>(0x80000000u)) | vec4<u32>(MAX_HALF);
     let finite = select(bits, greatest, magnitude == vec4<u32>(0x7f800000u));
     return bitcast<vec4<f32>>(select(finite, vec4<u32>(0u), is_nan));
 }
@@ -125,7 +125,7 @@ fn coverage(place: Place) -> f32 {
 
 fn offset_at(pixel: vec2<i32>) -> vec2<f32> {
     let at = push.first + pixel;
-    return bitcast<vec2<f32>>(offsets[at.y * push.net.x + at.x]);
+    return bitcast<vec2<f32>>(offsets[at.y * push.offset_count.x + at.x]);
 }
 
 fn is_still(pixel: vec2<i32>) -> bool {
@@ -170,7 +170,7 @@ fn steepness(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
     var before = vec2<f32>(0.0);
     var after = vec2<f32>(0.0);
     var has_before = all(at - step >= vec2<i32>(0));
-    var has_after = all(at + step < push.net);
+    var has_after = all(at + step < push.offset_count);
     if has_before {
         let there = offset_at(pixel - step);
         has_before = !is_nan(there.x) && !is_nan(there.y);
@@ -202,11 +202,11 @@ fn shape_of_jacobian(x: vec2<f32>, y: vec2<f32>) -> Shape {
     let half = 0.5 * (a - c);
     let radius = sqrt(half * half + b * b);
     let longest = mean + radius;
-    if longest <= SLACK * SLACK || !is_finite(longest) {
+    if longest <= MIN_MINIFICATION * MIN_MINIFICATION || !is_finite(longest) {
         return Shape(vec3<f32>(1.0, 0.0, 1.0), vec2<f32>(1.0));
     }
-    let long = held(longest);
-    let short = held(mean - radius);
+    let long = clamped_scale(longest);
+    let short = clamped_scale(mean - radius);
     let scale = select(0.0, 1.0 / radius, radius > 0.0);
     let along = half * scale;
     let aside = b * scale;
@@ -219,8 +219,8 @@ fn shape_of_jacobian(x: vec2<f32>, y: vec2<f32>) -> Shape {
     return Shape(matrix, vec2<f32>(s + t * along, s - t * along) + corner);
 }
 
-fn held(squared: f32) -> f32 {
-    return clamp(sqrt(max(squared, 0.0)) / SLACK, 1.0, SHRINK_LIMIT);
+fn clamped_scale(squared: f32) -> f32 {
+    return clamp(sqrt(max(squared, 0.0)) / MIN_MINIFICATION, 1.0, SHRINK_LIMIT);
 }
 
 fn is_unit(shape: Shape) -> bool {
@@ -294,7 +294,7 @@ fn hold(value: vec4<f32>, low: vec4<f32>, high: vec4<f32>) -> vec4<f32> {
 }
 
 /// Catmull-Rom interpolation, clamped to the range of the four texels around the position.
-fn plain(place: Place) -> vec4<f32> {
+fn cubic_clamped(place: Place) -> vec4<f32> {
     let a = texel_at(place.sample);
     let b = texel_at(place.sample + vec2<i32>(1, 0));
     let c = texel_at(place.sample + vec2<i32>(0, 1));
@@ -319,7 +319,7 @@ fn chord(shape: Shape, dy: f32) -> vec2<f32> {
 }
 
 /// Catmull-Rom filter along the axes of an enlarged footprint, normalised and clamped to the range of its inner square.
-fn widened(place: Place, shape: Shape) -> vec4<f32> {
+fn cubic_footprint(place: Place, shape: Shape) -> vec4<f32> {
     let xx = shape.filter_from_source.x;
     let xy = shape.filter_from_source.y;
     let yy = shape.filter_from_source.z;
@@ -352,9 +352,9 @@ fn widened(place: Place, shape: Shape) -> vec4<f32> {
 
 fn footprint_sum(place: Place, shape: Shape) -> vec4<f32> {
     if is_unit(shape) {
-        return plain(place);
+        return cubic_clamped(place);
     }
-    return widened(place, shape);
+    return cubic_footprint(place, shape);
 }
 
 // --- Pixels: tile.rs ------------------------------------------------------------------------------------------------
@@ -374,8 +374,8 @@ fn write(pixel: vec2<i32>, place: Place, sum: vec4<f32>) {
 
 /// Distributes the weights of NaN samples over the others; 0 if too few are numbers.
 fn renormalize(sum: vec4<f32>, presence: vec4<f32>) -> vec4<f32> {
-    let says = presence >= vec4<f32>(LEAST_PRESENCE);
-    return select(vec4<f32>(0.0), sum / select(vec4<f32>(1.0), presence, says), says);
+    let is_valid = presence >= vec4<f32>(MIN_PRESENCE);
+    return select(vec4<f32>(0.0), sum / select(vec4<f32>(1.0), presence, is_valid), is_valid);
 }
 
 @compute @workgroup_size(8, 8)
@@ -398,7 +398,7 @@ fn cubic(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var sum = cubic_sum(place);
-    if lacks {
+    if found_nan {
         reads_presence = true;
         sum = renormalize(sum, cubic_sum(place));
     }
@@ -417,7 +417,7 @@ fn lanczos(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var sum = lanczos_sum(place);
-    if lacks {
+    if found_nan {
         reads_presence = true;
         sum = renormalize(sum, lanczos_sum(place));
     }
@@ -438,7 +438,7 @@ fn ewa(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var sum = footprint_sum(place, shape);
-    if lacks {
+    if found_nan {
         reads_presence = true;
         sum = renormalize(sum, footprint_sum(place, shape));
     }

@@ -15,8 +15,8 @@ const LIGHT_SPOT: u32 = 2u;
 /// Reflectance of a dielectric (index of refraction 1.5) at normal incidence.
 const DIELECTRIC_F0: f32 = 0.04;
 
-/// Cosine-weighted mean of `matte_share`: (1 - f0)·(1 - 1/21), since the mean of (1 - c)^5 is 1/21.
-const MEAN_MATTE_SHARE: f32 = 0.9142857;
+/// Cosine-weighted mean of `matte_fraction`: (1 - f0)·(1 - 1/21), since the mean of (1 - c)^5 is 1/21.
+const MEAN_MATTE_FRACTION: f32 = 0.9142857;
 
 /// Lower bound of roughness: highlights of punctual lights would otherwise be narrower than a half float can represent.
 const MIN_ROUGHNESS: f32 = 0.045;
@@ -137,7 +137,7 @@ fn view_cosine(surface: Surface) -> f32 {
 }
 
 /// Fraction of the light that the surface of a dielectric transmits at a cosine.
-fn matte_share(cosine: f32) -> f32 {
+fn matte_fraction(cosine: f32) -> f32 {
     let m = 1.0 - cosine;
     let m2 = m * m;
     return (1.0 - DIELECTRIC_F0) * (1.0 - m2 * m2 * m);
@@ -155,7 +155,8 @@ fn reflect_light(surface: Surface, to_light: vec3<f32>) -> vec3<f32> {
     let roughness = max(surface.roughness, MIN_ROUGHNESS);
     let alpha = roughness * roughness;
     let fresnel = fresnel_schlick(normal_reflectance(surface), v_h);
-    let matte = diffuse_albedo(surface) * (matte_share(n_l) * matte_share(n_v) * (1.0 / (PI * MEAN_MATTE_SHARE)));
+    let matte = diffuse_albedo(surface)
+        * (matte_fraction(n_l) * matte_fraction(n_v) * (1.0 / (PI * MEAN_MATTE_FRACTION)));
     let gloss = fresnel * (distribution_ggx(n_h, alpha) * visibility_smith(n_l, n_v, alpha));
     return (matte + gloss) * n_l;
 }

@@ -21,16 +21,16 @@ pub(crate) const LATTICE_BYTES: u64 = 4 << 30;
 /// Reads a text file.
 ///
 /// # Errors
-/// Returns [`Error`] if the path is a pipe, device or socket, or if the file is longer than `most_bytes` or not UTF-8.
-pub(crate) fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
+/// Returns [`Error`] if the path is a pipe, device or socket, or if the file is longer than `max_bytes` or not UTF-8.
+pub(crate) fn read_text(path: &Path, max_bytes: u64) -> Result<String> {
     check_regular(path)?;
     let file = File::open(path)?;
     let mut text = String::new();
     let length = file.metadata()?.len();
-    if length <= most_bytes && file.take(most_bytes + 1).read_to_string(&mut text)? as u64 <= most_bytes {
+    if length <= max_bytes && file.take(max_bytes + 1).read_to_string(&mut text)? as u64 <= max_bytes {
         return Ok(text);
     }
-    let [length, most] = [length, most_bytes].map(|bytes| bytes.div_ceil(1 << 20));
+    let [length, most] = [length, max_bytes].map(|bytes| bytes.div_ceil(1 << 20));
     Err(Error::new(ErrorKind::FileTooLarge, format!("the file has {length} MB, at most {most} MB are read")))
 }
 

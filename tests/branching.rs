@@ -326,7 +326,7 @@ fn drags_follow_all_branches() {
 }
 
 #[test]
-fn what_does_not_know_branches_is_refused() {
+fn features_without_support_for_branches_are_refused() {
     let girl = Puppet::girl();
     let (shape, pins) = (girl.mesh(0.04), girl.pins());
     let settings = Settings { topology: Topology::Branching, ..Settings::default() };
@@ -344,7 +344,7 @@ fn what_does_not_know_branches_is_refused() {
 
 /// Eyes lie apart from the head, and go along with it.
 #[test]
-fn islands_go_along_with_what_is_nearest() {
+fn islands_move_with_the_nearest_part() {
     let girl = Puppet::girl();
     let mut shape = girl.mesh(SPACING);
     // A button beside the chest, farther from the arm.

@@ -220,7 +220,7 @@ fn no_order_and_no_thread_changes_a_bit_of_copies() {
 }
 
 #[test]
-fn what_is_between_frames_is_near_what_is_solved_alone() {
+fn states_between_frames_are_near_those_solved_alone() {
     let girl = Puppet::girl();
     let scene = Scene::new(&girl, girl.raised(), [16, 20]);
     let trajectory = Trajectory::solve(&scene, coupling(), &Cancel::never()).expect("solved");

@@ -78,7 +78,7 @@ fn a_half_covered_pixel_has_half_the_coverage() {
 }
 
 #[test]
-fn what_meets_at_an_edge_shares_the_pixel_in_its_ranks() {
+fn surfaces_that_meet_in_a_pixel_share_its_ranks() {
     let frame = FrameSize::new(4, 4);
     let scene = [([0.0, 0.0, 0.3125, 1.0], "left", 0), ([0.3125, 0.0, 1.0, 1.0], "right", 0)];
     let picture = render(&cards(&scene), frame, &MATTES);

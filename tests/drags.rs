@@ -128,7 +128,7 @@ fn the_same_moves_give_the_same_bits() {
 }
 
 #[test]
-fn a_drag_refuses_what_is_not_its_own() {
+fn a_drag_refuses_inputs_of_another_size() {
     with_solver(8, &Settings::default(), |solver, shape| {
         let error = solver.drag(&grid(9).at_rest()).expect_err("another number of handles");
         assert!(error.to_string().contains("81 handles"), "{error}");

@@ -176,7 +176,7 @@ fn split_edges_leave_no_cracks_across_seams() {
 }
 
 #[test]
-fn what_passes_the_near_plane_is_cut() {
+fn triangles_across_the_near_plane_are_cut() {
     let mut through = quad(1.0, -0.5);
     through.positions[0].z = 0.5;
     through.positions[1].z = 0.2;

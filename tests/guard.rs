@@ -52,7 +52,7 @@ fn a_head_pushed_through_the_body_folds_nothing() {
 }
 
 #[test]
-fn what_does_not_fold_is_left_alone() {
+fn problems_without_folds_are_left_alone() {
     let (grid, shape) = (around(10, Basis::Bspline), figure(0.08));
     let pins = posed(Pose { limbs: [0.2, -0.1, 0.1, 0.0], shift: [0.1, 0.0] });
     let free = run(&grid, &shape, &pins, &Settings { guard: Guard::Report, ..Settings::default() });

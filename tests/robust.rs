@@ -10,9 +10,9 @@ use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solution, Solver, Targets, solve};
 
 /// Numbers in 0..1 from a seed (D. Lehmer's generator modulo 2^64).
-struct Dice(u64);
+struct Rng(u64);
 
-impl Dice {
+impl Rng {
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
@@ -52,7 +52,7 @@ fn apart(a: &Lattice<2>, b: &Lattice<2>, shape: &Shape<2>) -> f64 {
 /// Solves poses of three figures, finer and finer; prints iterations, fails where one diverges.
 fn try_poses(count: usize) {
     let grid = around(10, Basis::Bspline);
-    let mut dice = Dice(2405);
+    let mut rng = Rng(2405);
     let mut iterations = Vec::new();
     let mut unconverged = 0;
     for spacing in [0.086, 0.064, 0.0485] {
@@ -62,7 +62,7 @@ fn try_poses(count: usize) {
         let problem = Problem { grid: &grid, shape: &shape, pins: &rest, handles: &[], settings: &settings };
         let solver = Solver::new(&problem).expect("a valid problem");
         for _ in 0..count.div_ceil(3) {
-            let pose = dice.pose();
+            let pose = rng.pose();
             let solution = solver.update(&posed(pose), &[]).expect("the same pins");
             let report = &solution.report;
             assert!(is_finite(&solution), "{pose:?}");
@@ -82,12 +82,12 @@ fn try_poses(count: usize) {
         "{} poses: {median} iterations in the median, {most} at most, {slow} above 100, {unconverged} not converged",
         iterations.len()
     );
-    assert!(median <= MEDIAN_ITERATIONS && most <= MOST_ITERATIONS, "{median} {most}");
+    assert!(median <= MEDIAN_ITERATIONS && most <= MAX_ITERATIONS, "{median} {most}");
 }
 
 /// Iterations that the poses may need.
 const MEDIAN_ITERATIONS: usize = 20;
-const MOST_ITERATIONS: usize = 100;
+const MAX_ITERATIONS: usize = 100;
 
 #[test]
 fn five_hundred_poses_arrive() {
@@ -102,14 +102,14 @@ fn ten_thousand_poses_arrive() {
 
 #[test]
 fn trembling_vertices_do_not_move_the_lattice() {
-    let (grid, shape, mut dice) = (around(10, Basis::Bspline), figure(0.08), Dice(7));
+    let (grid, shape, mut rng) = (around(10, Basis::Bspline), figure(0.08), Rng(7));
     let tremble = 1e-7 * grid.diagonal();
     let mut worst: f64 = 0.0;
     for _ in 0..20 {
-        let pins = posed(dice.pose());
+        let pins = posed(rng.pose());
         let mut trembled = shape.clone();
         for point in &mut trembled.points {
-            let angle = std::f64::consts::PI * dice.within(1.0);
+            let angle = std::f64::consts::PI * rng.within(1.0);
             *point = [point[0] + tremble * angle.cos(), point[1] + tremble * angle.sin()];
         }
         let [a, b] = [&shape, &trembled].map(|shape| run(&grid, shape, &pins).lattice);
@@ -121,8 +121,8 @@ fn trembling_vertices_do_not_move_the_lattice() {
 
 #[test]
 fn scales_of_micrometres_and_of_planets_bend_alike() {
-    let (grid, shape, mut dice) = (around(10, Basis::Bspline), figure(0.08), Dice(11));
-    let pins = posed(dice.pose());
+    let (grid, shape, mut rng) = (around(10, Basis::Bspline), figure(0.08), Rng(11));
+    let pins = posed(rng.pose());
     let unit = run(&grid, &shape, &pins);
     for scale in [1e-6, 1e6] {
         let times = |p: [f64; 2]| p.map(|x| x * scale);
@@ -155,7 +155,7 @@ fn boxes_that_are_mostly_empty_fold_where_nobody_sees_it() {
 #[test]
 fn flaws_of_screen_meshes_change_little() {
     // Slivers, edges of no length, folded triangles over the others, doubled ones, a speck far from all pins.
-    let (grid, sound, mut dice) = (around(10, Basis::Bspline), figure(0.08), Dice(3));
+    let (grid, sound, mut rng) = (around(10, Basis::Bspline), figure(0.08), Rng(3));
     let mut flawed = sound.clone();
     for k in (0..sound.triangles.len()).step_by(9) {
         let [a, b, c] = sound.triangles[k];
@@ -168,7 +168,7 @@ fn flaws_of_screen_meshes_change_little() {
     flawed.points.extend([[1.1, 1.1], [1.1 + 1e-9, 1.1], [1.1, 1.1 + 1e-9]]);
     flawed.triangles.push([speck, speck + 1, speck + 2]);
     for _ in 0..5 {
-        let pins = posed(dice.pose());
+        let pins = posed(rng.pose());
         let [a, b] = [&sound, &flawed].map(|shape| run(&grid, shape, &pins));
         assert!(is_finite(&b), "{:?}", b.report);
         // Doubled triangles weigh twice: the same bend but for that.

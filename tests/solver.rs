@@ -146,7 +146,7 @@ proptest! {
     }
 
     #[test]
-    fn nothing_hostile_makes_a_nan(
+    fn hostile_inputs_make_no_nan(
         points in prop::collection::vec([-1.5..2.5_f64, -1.5..2.5_f64], 3..12), seed in any::<u64>(),
         pins in prop::collection::vec((prop_oneof![Just([0.5, 0.5]), [-3.0..4.0_f64, -3.0..4.0_f64]],
             [-2.0..3.0_f64, -2.0..3.0_f64], 0.0..1.0_f64), 0..5),
@@ -288,7 +288,7 @@ fn contradicting_pins_meet_in_the_middle_and_are_named() {
 }
 
 #[test]
-fn no_pins_are_the_identity_and_said_so() {
+fn no_pins_give_the_identity_with_a_warning() {
     let solution = run(&grid(8, Basis::Bspline), &strip(20), &[], &Settings::default());
     assert_eq!(solution.lattice, grid(8, Basis::Bspline).at_rest());
     assert!(solution.report.warnings.iter().any(|warning| warning.contains("no pins")));

@@ -269,7 +269,7 @@ fn without_weight_each_time_is_solved_alone() {
 }
 
 #[test]
-fn what_moves_rigidly_does_not_lag() {
+fn rigid_motion_does_not_lag() {
     let still: &[[f64; 2]] = &[[0.0, 1.0]; 3];
     let limb = posed(&[0.2, -0.3, 0.3], &[true; 4], [still, &[[1.4, 1.0], [0.0, 1.0], [0.0, 1.0]]]);
     let motion = Motion::new(&limb, WEIGHT);

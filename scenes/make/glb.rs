@@ -18,7 +18,7 @@ pub(crate) struct Surface {
     /// Linear RGB, #vertices or empty.
     pub(crate) colors: Vec<DVec3>,
     /// Four joints per vertex with their weights, #vertices or empty.
-    pub(crate) influences: Vec<[(u8, f64); 4]>,
+    pub(crate) joint_weights: Vec<[(u8, f64); 4]>,
     /// Corners, counter-clockwise from the front.
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Index of the material.
@@ -137,9 +137,9 @@ impl Glb {
         if !surface.colors.is_empty() {
             attributes["COLOR_0"] = json!(self.floats(&flat3(&surface.colors), 3, vertices));
         }
-        if !surface.influences.is_empty() {
-            let joints: Vec<[u8; 4]> = surface.influences.iter().map(|row| row.map(|(joint, _)| joint)).collect();
-            let shares: Vec<[u8; 4]> = surface.influences.iter().map(byte_shares).collect();
+        if !surface.joint_weights.is_empty() {
+            let joints: Vec<[u8; 4]> = surface.joint_weights.iter().map(|row| row.map(|(joint, _)| joint)).collect();
+            let shares: Vec<[u8; 4]> = surface.joint_weights.iter().map(byte_shares).collect();
             attributes["JOINTS_0"] = json!(self.bytes4(&joints, false));
             attributes["WEIGHTS_0"] = json!(self.bytes4(&shares, true));
         }

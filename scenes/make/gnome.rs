@@ -6,7 +6,7 @@ use super::fields::{blended, block, capsule, ellipsoid, mirrored, ring};
 use super::glb::Surface;
 use super::nets::{Region, lathe, skin_of};
 use super::paint::smoothstep;
-use super::rig::{HAT, HEAD, influences};
+use super::rig::{HAT, HEAD, joint_weights};
 use glam::{DVec2, DVec3};
 
 /// Indices of the gnome's materials in the file.
@@ -109,7 +109,7 @@ fn cut(field: fn(DVec3) -> f64, [lo, hi]: [DVec3; 2], cell: f64, joints: &[usize
 }
 
 fn bound(mut surface: Surface, joints: &[usize]) -> Surface {
-    surface.influences = surface.positions.iter().map(|at| influences(*at, joints)).collect();
+    surface.joint_weights = surface.positions.iter().map(|at| joint_weights(*at, joints)).collect();
     surface
 }
 
@@ -194,7 +194,7 @@ pub(crate) fn hat(cloths: Cloths) -> Vec<Surface> {
     ];
     for part in &mut parts {
         let share = |at: &DVec3| smoothstep(1.0, 1.26, at.y);
-        part.influences = (part.positions.iter())
+        part.joint_weights = (part.positions.iter())
             .map(|at| [(HEAD as u8, 1.0 - share(at)), (HAT as u8, share(at)), (0, 0.0), (0, 0.0)])
             .collect();
     }

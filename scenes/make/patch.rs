@@ -18,11 +18,11 @@ fn bernstein(t: f64) -> ([f64; 4], [f64; 4]) {
 }
 
 /// The patch with inside and outside exchanged.
-pub(crate) fn turned(patch: &Patch) -> Patch {
+pub(crate) fn flipped(patch: &Patch) -> Patch {
     std::array::from_fn(|i| std::array::from_fn(|j| patch[j][i]))
 }
 
-/// Applies a map to all control points. A reflection also exchanges inside and outside; [`turned`] exchanges them back.
+/// Applies a map to all control points. A reflection also exchanges inside and outside; [`flipped`] exchanges them back.
 pub(crate) fn mapped(patch: &Patch, map: impl Fn(DVec3) -> DVec3) -> Patch {
     patch.map(|row| row.map(&map))
 }

@@ -138,7 +138,7 @@ fn lowest(stance: &Stance) -> f64 {
 
 /// The normalised weights of the given joints at a point, the four largest. They decrease with the sixth power of the
 /// distance from the bone.
-pub(crate) fn influences(at: DVec3, joints: &[usize]) -> [(u8, f64); 4] {
+pub(crate) fn joint_weights(at: DVec3, joints: &[usize]) -> [(u8, f64); 4] {
     let mut shares: Vec<(u8, f64)> = joints.iter().map(|&joint| (joint as u8, share(at, &JOINTS[joint]))).collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
     shares.resize(4, (0, 0.0));

@@ -4,7 +4,7 @@
 
 use super::glb::{Glb, Surface, numbers, placed};
 use super::paint::{png, smoothstep};
-use super::patch::{Patch, mapped, tessellate, turned};
+use super::patch::{Patch, flipped, mapped, tessellate};
 use super::teapot_data::{HANDLE, HalfRing, LID, POT, Ring, SPOUT};
 use glam::{DVec2, DVec3};
 use image::ImageError;
@@ -47,15 +47,15 @@ fn tube(rings: &[HalfRing]) -> Vec<Patch> {
     for start in (0..rings.len() - 1).step_by(3) {
         let near: Patch = std::array::from_fn(|row| half(rings[start + row]));
         let far = mapped(&near, |point| scene_from_newell(point * DVec3::new(1.0, -1.0, 1.0)));
-        patches.extend([mapped(&near, scene_from_newell), turned(&far)]);
+        patches.extend([mapped(&near, scene_from_newell), flipped(&far)]);
     }
     patches
 }
 
 /// The teapot: four parts without shared vertices.
 pub(crate) fn teapot() -> Surface {
-    let turned_all = |patches: Vec<Patch>| patches.iter().map(turned).collect();
-    let parts: [Vec<Patch>; 4] = [revolved(&POT), revolved(&LID), turned_all(tube(&HANDLE)), tube(&SPOUT)];
+    let flipped_all = |patches: Vec<Patch>| patches.iter().map(flipped).collect();
+    let parts: [Vec<Patch>; 4] = [revolved(&POT), revolved(&LID), flipped_all(tube(&HANDLE)), tube(&SPOUT)];
     let mut all = Surface::default();
     for part in parts {
         let part = tessellate(&part, STEPS);

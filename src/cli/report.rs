@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 /// Maximum number of tiles of a contact sheet; longer sequences show every n-th frame, and those with the worst
 /// figures.
-const MOST_TILES: usize = 120;
+const MAX_TILES: usize = 120;
 /// Width of a tile in pixels.
 const TILE_WIDTH: u32 = 320;
 
@@ -229,7 +229,7 @@ fn contact_sheet(
     report: &SequenceReport,
 ) -> anyhow::Result<crate::image::Preview> {
     let worst = report.worst_frames();
-    let step = frames.len().div_ceil(MOST_TILES.saturating_sub(worst.len()).max(1)).max(1);
+    let step = frames.len().div_ceil(MAX_TILES.saturating_sub(worst.len()).max(1)).max(1);
     let chosen = |(index, frame): (usize, &i32)| (index % step == 0 || worst.contains(frame)).then_some(*frame);
     let shown: Vec<i32> = frames.iter().enumerate().filter_map(chosen).collect();
     // A missing or damaged frame has an empty tile, even if only its pixels are damaged.

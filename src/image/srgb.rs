@@ -15,7 +15,7 @@ pub(super) fn srgb_byte(light: f32) -> u8 {
         return 0;
     }
     let codes = &*CODES;
-    let bucket = (light.to_bits() >> BUCKET_BITS).saturating_sub(LEAST_BUCKET) as usize;
+    let bucket = (light.to_bits() >> BUCKET_BITS).saturating_sub(MIN_BUCKET) as usize;
     let mut code = codes.first[bucket.min(codes.first.len() - 1)];
     while code < 255 && light >= codes.begin[usize::from(code) + 1] {
         code += 1;
@@ -27,7 +27,7 @@ pub(super) fn srgb_byte(light: f32) -> u8 {
 const BUCKET_BITS: u32 = 16;
 
 /// The bucket of 2^-14; it and everything below have code 0.
-const LEAST_BUCKET: u32 = (1.0_f32 / 16384.0).to_bits() >> BUCKET_BITS;
+const MIN_BUCKET: u32 = (1.0_f32 / 16384.0).to_bits() >> BUCKET_BITS;
 
 struct Codes {
     /// The least light of each code.
@@ -49,7 +49,7 @@ static CODES: LazyLock<Codes> = LazyLock::new(|| {
         *begin = f32::from_bits(low);
     }
     let last = 1.0_f32.to_bits() >> BUCKET_BITS;
-    let first = (LEAST_BUCKET..=last).map(|bucket| code(f32::from_bits(bucket << BUCKET_BITS))).collect();
+    let first = (MIN_BUCKET..=last).map(|bucket| code(f32::from_bits(bucket << BUCKET_BITS))).collect();
     Codes { begin, first }
 });
 

@@ -111,7 +111,7 @@ impl<const D: usize> BezierPolynomial<D> {
     }
 
     /// Returns the smallest value at the corners of the cell, where coefficients equal values.
-    pub(super) fn least_corner(&self) -> f64 {
+    pub(super) fn min_corner(&self) -> f64 {
         let corner = |number: usize| {
             let index = (0..D).map(|axis| (number >> axis & 1) * self.degrees[axis] * self.stride(axis)).sum::<usize>();
             self.coefficients[index]
@@ -158,7 +158,7 @@ mod tests {
             let slope = (value(&a, [at[0] + step, at[1]]) - value(&a, [at[0] - step, at[1]])) / (2.0 * step);
             assert!((value(&a.slope(0), at) - slope).abs() < 1e-8);
         }
-        assert_eq!(wavy([1, 1], 0.0).least_corner(), 0.0_f64.sin().min(5.1_f64.sin()).min(3.4_f64.sin()));
+        assert_eq!(wavy([1, 1], 0.0).min_corner(), 0.0_f64.sin().min(5.1_f64.sin()).min(3.4_f64.sin()));
         assert_eq!(BezierPolynomial::<2>::new([1, 0], vec![0.0, f64::NAN]).bound(), None);
     }
 }

@@ -42,7 +42,7 @@ impl<const D: usize> Lattice<D> {
         let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
         let bounds = match self.grid.basis.support() {
             Support::Global => self.probe(),
-            Support::Simplex => (0..is_active.len()).map(|cell| self.least_of_simplices(cell)).collect(),
+            Support::Simplex => (0..is_active.len()).map(|cell| self.min_of_simplices(cell)).collect(),
             Support::Tensor { width } => self.proven_bounds(is_active, width),
         };
         for (cell, (&least, &is_active)) in bounds.iter().zip(is_active).enumerate() {
@@ -79,7 +79,7 @@ impl<const D: usize> Lattice<D> {
                 break;
             }
             let wanted = if is_active[cell] { least } else { f64::NEG_INFINITY };
-            bounds[cell] = least_of(self.determinant(cell, width - 1), wanted);
+            bounds[cell] = min_of(self.determinant(cell, width - 1), wanted);
             if is_active[cell] {
                 least = least.min(bounds[cell]);
             }
@@ -160,7 +160,7 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// Returns the smallest determinant of the D! simplices of a cell; it is constant in each.
-    fn least_of_simplices(&self, cell: usize) -> f64 {
+    fn min_of_simplices(&self, cell: usize) -> f64 {
         let place = self.grid.cell_coords(cell);
         let orders: &[[usize; 3]] = if D == 2 {
             &[[0, 1, 2], [1, 0, 2]]
@@ -266,7 +266,7 @@ fn bezier_from_spline(values: &mut [f64], start: usize, step: usize) {
 
 /// Returns a lower bound of a polynomial in its cell, with the correct sign, and within [`PRECISION`] of the minimum if
 /// that may be less than `wanted`. Branch and bound by bisection.
-fn least_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
+fn min_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
     let mut open = vec![(patch, 0)];
     let mut least = f64::INFINITY;
     while let Some((patch, depth)) = open.pop() {
@@ -274,7 +274,7 @@ fn least_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
         if bound >= least {
             continue;
         }
-        let value = patch.least_corner();
+        let value = patch.min_corner();
         let is_near = value - bound <= PRECISION * value.abs().max(1.0) || bound >= wanted;
         let has_sign = bound > 0.0 || value <= 0.0;
         if is_near && has_sign || depth >= MAX_HALVINGS {

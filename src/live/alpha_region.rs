@@ -20,7 +20,7 @@ const TURN: [f64; 2] = [2.0, 1.0];
 const STRETCH: f64 = 0.25;
 
 /// Upper bound of the stretch; larger values, which arise only from pins that nearly coincide, are clamped to it.
-const MOST_STRETCH: f64 = 2.0;
+const MAX_STRETCH: f64 = 2.0;
 
 /// Bound of coordinates in pixels, larger than any picture.
 const FURTHEST: f64 = 1e7;
@@ -75,7 +75,7 @@ impl Swing {
         }
         let held = controls.pins.iter().filter_map(|pin| pin.rotation).map(f64::abs).fold(0.0, f64::max);
         let strength = controls.strength.abs();
-        Self { turn: (strength * (turn + held)).min(PI), stretch: (1.0 + strength * growth).min(MOST_STRETCH) * scale }
+        Self { turn: (strength * (turn + held)).min(PI), stretch: (1.0 + strength * growth).min(MAX_STRETCH) * scale }
     }
 
     /// Returns the bounding window of a window that is moved with each of the pins.

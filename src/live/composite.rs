@@ -19,7 +19,7 @@ const BATCH: usize = 1 << 12;
 const WHOLE: f32 = 1.0 - 1e-5;
 
 /// Alpha below this counts as 0, since dividing by it is meaningless.
-const LEAST_ALPHA: f32 = 1e-6;
+const MIN_ALPHA: f32 = 1e-6;
 
 /// The pictures of a render, prepared for drawing.
 pub(super) struct Compositor<'a> {
@@ -184,7 +184,7 @@ impl<'a> Compositor<'a> {
         let left = |cover: f32| match cover.clamp(0.0, 1.0) {
             cover if cover > WHOLE => 0.0,
             cover if is_associated => 1.0 - cover,
-            cover => f32::from(u8::from(cover < LEAST_ALPHA)),
+            cover => f32::from(u8::from(cover < MIN_ALPHA)),
         };
         let covers = drawn[alpha].par_iter().zip(&behind[alpha]).with_min_len(BATCH);
         let left: Vec<f32> = covers.map(|(cover, behind)| if *behind > 0.0 { left(*cover) } else { 0.0 }).collect();
@@ -264,7 +264,7 @@ impl<'a> Compositor<'a> {
                     _ if is_kept && (alpha[k] != 0.0 || hidden.is_none_or(|hidden| hidden[k] == straight[k])) => {
                         straight[k]
                     }
-                    alpha if alpha.abs() < LEAST_ALPHA => hidden.map_or(0.0, |hidden| hidden[k]),
+                    alpha if alpha.abs() < MIN_ALPHA => hidden.map_or(0.0, |hidden| hidden[k]),
                     alpha => *sample / alpha,
                 };
             });

@@ -11,7 +11,7 @@ use crate::space::ScreenPoint;
 const MAX_SMOOTHNESS: f64 = 10.0;
 
 /// Maximum number of handles per axis.
-const MOST_HANDLES: usize = 64;
+const MAX_HANDLES: usize = 64;
 
 /// Coordinates beyond this many frame heights are assumed to be in pixels by mistake.
 const FURTHEST: f64 = 1000.0;
@@ -126,7 +126,7 @@ impl Controls {
             return fault(format!("a smoothness of {} is out of range", self.smoothness), "keep it within 0.1 to 10");
         }
         let least = self.basis.min_handles();
-        if self.dims.iter().any(|count| !(least..=MOST_HANDLES).contains(count)) {
+        if self.dims.iter().any(|count| !(least..=MAX_HANDLES).contains(count)) {
             let what = format!("a lattice of {} x {} handles is out of range", self.dims[0], self.dims[1]);
             return fault(what, "give 2 to 64 an axis, with B-splines 4 to 64");
         }

@@ -11,7 +11,7 @@ use crate::space::{FrameSize, PixelRect};
 use std::sync::Arc;
 
 /// Largest width and height of a tile in pixels, without its border.
-const MOST: [u32; 2] = [4096, 126];
+const MAX_TILE: [u32; 2] = [4096, 126];
 
 /// Border around a tile in pixels, needed by footprints.
 const RIM: u32 = 1;
@@ -32,7 +32,7 @@ impl MapTile {
             return Vec::new();
         }
         let side = |length: u32, most: u32| length.div_ceil(length.div_ceil(most));
-        let size = [side(frame.width, MOST[0]), side(frame.height, MOST[1])];
+        let size = [side(frame.width, MAX_TILE[0]), side(frame.height, MAX_TILE[1])];
         let [columns, rows] =
             [(window.x, window.width, size[0]), (window.y, window.height, size[1])].map(|(start, length, size)| {
                 let last = i64::from(start) + i64::from(length) - 1;

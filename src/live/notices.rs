@@ -9,10 +9,10 @@ use crate::space::ScreenPoint;
 use crate::spelling::pluralised;
 
 /// Pins closer to their targets than this, in pixels, count as exact.
-const LEAST_PX: f64 = 0.05;
+const MIN_PX: f64 = 0.05;
 
 /// Maximum number of pins named in one sentence.
-const MOST_NAMES: usize = 8;
+const MAX_NAMES: usize = 8;
 
 /// A message for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl Warp {
         let mut notices = Vec::new();
         let misses = report.pin_residuals.iter();
         let mut misses: Vec<&PinResidual> = misses
-            .filter(|miss| miss.reason != ResidualReason::Fading && miss.distance * wording.pixels > LEAST_PX)
+            .filter(|miss| miss.reason != ResidualReason::Fading && miss.distance * wording.pixels > MIN_PX)
             .collect();
         misses.sort_by(|a, b| b.distance.total_cmp(&a.distance));
         if let Some(worst) = misses.first() {
@@ -110,8 +110,8 @@ fn listed(names: &[String]) -> String {
     match names {
         [] => String::new(),
         [only] => only.clone(),
-        _ if names.len() > MOST_NAMES => {
-            format!("{} and {} more", names[..MOST_NAMES].join(", "), names.len() - MOST_NAMES)
+        _ if names.len() > MAX_NAMES => {
+            format!("{} and {} more", names[..MAX_NAMES].join(", "), names.len() - MAX_NAMES)
         }
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }

@@ -75,7 +75,7 @@ pub struct TrackKey {
 }
 
 /// Maximum number of frames with keys of a pin, which bounds a host's infinite ranges.
-const MOST_FRAMES: i32 = 100_000;
+const MAX_FRAMES: i32 = 100_000;
 
 impl PinTrack {
     /// Samples a host's animated pin: a key at every frame from its first to its last key and at every key of the host,
@@ -86,7 +86,7 @@ impl PinTrack {
         let mut times: Vec<f64> = times.iter().copied().filter(|time| time.is_finite()).collect();
         let [first, last] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
         if let (Some(first), Some(last)) = (first, last) {
-            let last = last.min(first + f64::from(MOST_FRAMES));
+            let last = last.min(first + f64::from(MAX_FRAMES));
             times.extend((first.ceil() as i32..=last.floor() as i32).map(f64::from));
         } else {
             times.push(now);

@@ -24,7 +24,7 @@ use std::ffi::CStr;
 use std::path::PathBuf;
 
 /// Maximum number of frames for which keys and maps are written; guards against a host's "infinite" range.
-const MOST_FRAMES: i32 = 100_000;
+const MAX_FRAMES: i32 = 100_000;
 
 /// Returns the pins that the buttons act on: those selected in the viewer, else the one whose number is entered.
 fn selected(effect: Effect, values: ParamValues) -> Vec<usize> {
@@ -177,7 +177,7 @@ fn rate(call: Call) -> f64 {
 fn frames(call: Call, time: f64) -> [i32; 2] {
     let range = call.effect.clip(image::SOURCE_CLIP).and_then(|clip| clip.props().doubles(image::FRAME_RANGE));
     // A still has an infinite range: only the current frame counts.
-    let range = range.filter(|[first, last]| (0.0..=f64::from(MOST_FRAMES)).contains(&(last - first)));
+    let range = range.filter(|[first, last]| (0.0..=f64::from(MAX_FRAMES)).contains(&(last - first)));
     range.unwrap_or([time; 2]).map(|frame| frame.round() as i32)
 }
 

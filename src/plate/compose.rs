@@ -3,7 +3,7 @@
 //! In: a [`PlateCompositor`] and composites with their layers and maps. Out: the warped plate, and the rest of the report.
 
 use super::channel_table::{ChannelEntry, ChannelIndex};
-use super::composite::{Composite, LEAST_VISIBLE};
+use super::composite::{Composite, MIN_VISIBLE};
 use super::compositor::{AlphaGroup, OutputPlanes, PlateCompositor};
 use super::cryptomatte::{CryptomatteRanks, gathered_ranks};
 use super::disjoint_over::{colors, occlusion};
@@ -86,7 +86,7 @@ fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mu
 
 /// Counts the holes of the first view that has any, and reports the channels that nothing fills.
 fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut PlateReport) {
-    let holes = group.occlusion.holes.iter().flatten().filter(|hole| **hole > LEAST_VISIBLE).count();
+    let holes = group.occlusion.holes.iter().flatten().filter(|hole| **hole > MIN_VISIBLE).count();
     if report.hole_pixels == 0 {
         report.hole_pixels = holes;
     }

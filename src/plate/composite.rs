@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Smallest coverage that counts as a hole or as overlap of mattes: half an 8-bit step.
-pub(super) const LEAST_VISIBLE: f32 = 0.5 / 255.0;
+pub(super) const MIN_VISIBLE: f32 = 0.5 / 255.0;
 
 /// A warped layer: its matte, its map and its window.
 #[derive(Clone, Debug)]
@@ -135,6 +135,6 @@ impl Composite<'_> {
     fn is_visible(&self, layer: &WarpedLayer, pixel: [i32; 2], alpha: Option<&[f32]>) -> bool {
         let of = |plane: Option<&[f32]>, source: usize| plane.map_or(1.0, |plane| plane[source]);
         self.source_of(layer, pixel)
-            .is_some_and(|source| of(layer.matte.coverage.as_deref(), source) * of(alpha, source) > LEAST_VISIBLE)
+            .is_some_and(|source| of(layer.matte.coverage.as_deref(), source) * of(alpha, source) > MIN_VISIBLE)
     }
 }

@@ -3,7 +3,7 @@
 //! In: the channels of a plate, and its moving layers or one map for all. Out: [`Composite`]s, ready to be drawn.
 
 use super::channel_table::ChannelTable;
-use super::composite::{Composite, LEAST_VISIBLE, WarpedLayer};
+use super::composite::{Composite, MIN_VISIBLE, WarpedLayer};
 use super::matte::{MatteCoverage, MatteRegion, matte_coverage};
 use super::moving_layer::MovingLayer;
 use super::warp_map::nearest_source;
@@ -191,8 +191,8 @@ fn overlap(mattes: &[MatteCoverage], moving_layers: &[MovingLayer], window: Pixe
     }
     let sum = |pixel: usize| layers.clone().map(|layer| coverage(layer, pixel)).sum::<f32>();
     let pixels: Vec<usize> =
-        (0..window.area()).into_par_iter().filter(|&pixel| sum(pixel) > 1.0 + LEAST_VISIBLE).collect();
-    let overlaps = |&layer: &usize| pixels.iter().any(|&pixel| coverage(layer, pixel) > LEAST_VISIBLE);
+        (0..window.area()).into_par_iter().filter(|&pixel| sum(pixel) > 1.0 + MIN_VISIBLE).collect();
+    let overlaps = |&layer: &usize| pixels.iter().any(|&pixel| coverage(layer, pixel) > MIN_VISIBLE);
     let names = layers.clone().filter(overlaps).map(|layer| format!("\"{}\"", moving_layers[layer].name));
     let names: Vec<String> = names.collect();
     (!pixels.is_empty()).then(|| {

@@ -11,7 +11,7 @@ use glam::{DMat2, DVec2};
 use std::sync::Arc;
 
 /// Maximum number of Newton steps before an inverse counts as not found.
-const MOST_STEPS: usize = 40;
+const MAX_STEPS: usize = 40;
 /// Convergence tolerance of the inverse, in frame heights: a 500th of a thousandth of a pixel at 4K.
 const CLOSE: f64 = 1e-9;
 
@@ -217,7 +217,7 @@ fn search(parts: &[Part], point: DVec2, start: DVec2) -> Option<(DVec2, DMat2)> 
     let mut offset = start;
     let (mut moved, mut gradient) = displace(parts, point + offset);
     let mut miss = offset + moved;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if miss.length_squared() <= CLOSE * CLOSE {
             // Bit-exactly 0 where nothing moves.
             return Some((-moved, gradient));

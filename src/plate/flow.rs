@@ -29,11 +29,11 @@ const FLOOR: f64 = 2e-4;
 /// Fraction of the longest path that is added to every pin's share of the space, so that no disc becomes tiny.
 const EVEN: f64 = 0.05;
 /// Maximum number of steps, after which a pin that is blocked by another stays where it is.
-const MOST_STEPS: usize = 128;
+const MAX_STEPS: usize = 128;
 /// Remaining fraction of a path below which a pin has arrived.
 const ARRIVED: f64 = 1e-12;
 /// Maximum number of Newton steps of an inverse.
-const MOST_NEWTON: usize = 40;
+const MAX_NEWTON: usize = 40;
 /// A disc counts as smooth over a box of this fraction of its radius.
 const PIECE: f64 = 0.25;
 
@@ -96,7 +96,7 @@ impl Flow {
             flow_pins.iter().map(|flow_pin| f64::from(u8::from(flow_pin.to == flow_pin.from))).collect();
         let mut tracks = vec![Vec::new(); flow_pins.len()];
         let (mut clock, mut reach) = (0.0_f64, 0.0);
-        for number in 0..MOST_STEPS {
+        for number in 0..MAX_STEPS {
             let moving = (0..flow_pins.len()).filter(|&index| done[index] < 1.0);
             let moving: Vec<(usize, [f64; 2])> = moving.map(|index| (index, packing.speed(&centers, index))).collect();
             if moving.is_empty() {
@@ -127,7 +127,7 @@ impl Flow {
         }
         for (index, flow_pin) in flow_pins.iter().enumerate() {
             let swirls = Swirl::of(centers[index], packing.radius(&centers, index), flow_pin.turn);
-            tracks[index].extend(swirls.into_iter().map(|swirl| (MOST_STEPS, Step::Swirl(swirl))));
+            tracks[index].extend(swirls.into_iter().map(|swirl| (MAX_STEPS, Step::Swirl(swirl))));
         }
         reach += tracks.iter().flatten().map(|(_, step)| step.swing()).sum::<f64>();
         Self { groups: groups(tracks), reach, ends: centers }
@@ -280,7 +280,7 @@ impl Push {
         let from_center = point - self.center;
         let (mut height, mut slope) = self.bump(from_center)?;
         let (mut lo, mut hi, mut share) = (0.0, 1.0, height);
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             (height, slope) = self.bump(from_center - self.shift * share).unwrap_or_default();
             let miss = share - height;
             if miss < 0.0 {

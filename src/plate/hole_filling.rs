@@ -13,9 +13,9 @@ use crate::space::PixelRect;
 use rayon::prelude::*;
 
 /// Largest range of integers that a float represents exactly: 2^24.
-const MOST_EXACT: u32 = 1 << 24;
+const MAX_EXACT: u32 = 1 << 24;
 /// The same for half floats.
-const MOST_EXACT_HALF: u32 = 1 << 11;
+const MAX_EXACT_HALF: u32 = 1 << 11;
 
 /// A plate that fills holes.
 pub(super) struct HoleFilling<'a> {
@@ -114,8 +114,8 @@ impl<'a> HoleFilling<'a> {
 fn restored(sample: f32, from: Storage, to: Storage) -> f32 {
     match (from, to) {
         (Storage::Uint, Storage::Uint) => sample,
-        (Storage::Uint, Storage::Half) if sample.to_bits() > MOST_EXACT_HALF => 0.0,
-        (Storage::Uint, _) if sample.to_bits() > MOST_EXACT => 0.0,
+        (Storage::Uint, Storage::Half) if sample.to_bits() > MAX_EXACT_HALF => 0.0,
+        (Storage::Uint, _) if sample.to_bits() > MAX_EXACT => 0.0,
         (Storage::Uint, _) => sample.to_bits() as f32,
         (_, Storage::Uint) => f32::from_bits(sample.round() as u32),
         _ => sample,

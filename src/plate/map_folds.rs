@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Spacing of the fine mesh in pixels, in the source and in the picture; its hits are refined by searches.
 const FINE: f64 = 2.0;
 /// Maximum number of fine mesh lines per cell.
-const MOST_LINES: f64 = 64.0;
+const MAX_LINES: f64 = 64.0;
 /// Maximum shift of a preimage by refinement, in pixels; beyond it, the search has moved to another preimage.
 const SLIP: f64 = 2.0;
 /// Preimages closer than this are the same, in pixels.
@@ -194,7 +194,7 @@ impl SubdividedCell {
     fn cut(pixel_field: PixelField, mesh: &WarpedMesh, cell: usize, window: PixelRect) -> Self {
         let [lo, hi] = mesh.image_box(cell);
         let size = mesh.step.max(hi - lo) / FINE;
-        let lines = [size.x, size.y].map(|pixels| pixels.ceil().clamp(2.0, MOST_LINES) as usize + 1);
+        let lines = [size.x, size.y].map(|pixels| pixels.ceil().clamp(2.0, MAX_LINES) as usize + 1);
         // The image may be rotated: both axes are cut as finely as the longer one needs.
         let lines = [lines[0].max(lines[1]); 2];
         let step = mesh.step / DVec2::new((lines[0] - 1) as f64, (lines[1] - 1) as f64);

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Mesh spacing in pixels, unless the lattice is finer.
 const STEP: f64 = 32.0;
 /// Maximum number of mesh lines per axis.
-const MOST_LINES: usize = 1024;
+const MAX_LINES: usize = 1024;
 /// A cell is searched for folds if the determinant at a corner is below this plus half its range over the cell.
 const THIN: f64 = 0.05;
 /// Fraction by which triangles are enlarged, since neighbours with different subdivision share curved sides only approximately.
@@ -51,7 +51,7 @@ impl WarpedMesh {
         let step = pixel_field.finest_step().clamp(1.0, STEP);
         let [columns, rows] = [0, 1].map(|axis| {
             let lines = ((hi - lo)[axis] / step).ceil();
-            if lines < MOST_LINES as f64 { lines.max(1.0) as usize + 1 } else { MOST_LINES }
+            if lines < MAX_LINES as f64 { lines.max(1.0) as usize + 1 } else { MAX_LINES }
         });
         let step = (hi - lo) / DVec2::new((columns - 1) as f64, (rows - 1) as f64);
         let carried = (0..columns * rows).into_par_iter().with_min_len(256).map(|index| {

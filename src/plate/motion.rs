@@ -16,10 +16,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 /// Changes below this, in pixels, leave the vectors bit-exact. Maps are no more accurate than this.
-const LEAST: f64 = 5e-4;
+const MIN_CHANGE: f64 = 5e-4;
 
 /// Longer vectors, in pixels, are markers for unknown motion.
-const MOST: f64 = 1e6;
+const MAX_LENGTH: f64 = 1e6;
 
 /// Two channels that hold a vector, and their encoding.
 #[derive(Clone, Copy, Debug)]
@@ -95,12 +95,12 @@ impl MotionVectors<'_> {
         let stored = self.uv.map(|channel| channel[index]);
         let per_unit = DVec2::from_array(self.encoding.pixels_per_unit);
         let pixels = DVec2::new(f64::from(stored[0]), f64::from(stored[1])) * per_unit;
-        if !pixels.is_finite() || pixels.length() > MOST {
+        if !pixels.is_finite() || pixels.length() > MAX_LENGTH {
             return stored;
         }
         let there = DVec2::new(f64::from(x) + 0.5 + pixels.x, f64::from(y) + 0.5 - pixels.y);
         let change = displacements.there(there) - displacements.here([x, y]);
-        if !change.is_finite() || change.length() < LEAST {
+        if !change.is_finite() || change.length() < MIN_CHANGE {
             return stored;
         }
         // Vectors have y up, maps y down.

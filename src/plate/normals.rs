@@ -9,7 +9,7 @@ use super::visible_samples::VisibleSample;
 use rayon::prelude::*;
 
 /// Rotations below this, in radians, leave the normals bit-exact.
-const LEAST: f64 = 1e-6;
+const MIN_ANGLE: f64 = 1e-6;
 
 /// Rotates the first two components of the visible normals of a composite; each: #pixels of the composite.
 pub(super) fn turn_normals(
@@ -25,7 +25,7 @@ pub(super) fn turn_normals(
         let pixel = composite.window.pixel_at(at);
         let Some((map, index)) = layer.map.as_ref().zip(layer.window.sample_index(pixel)) else { return };
         let angle = rotation(map, index, pixel_aspect);
-        if angle.abs() > LEAST {
+        if angle.abs() > MIN_ANGLE {
             let (sin, cos) = angle.sin_cos();
             let [old_x, old_y] = [f64::from(*x), f64::from(*y)];
             (*x, *y) = ((cos * old_x - sin * old_y) as f32, (sin * old_x + cos * old_y) as f32);

@@ -12,9 +12,9 @@
 use glam::{DMat2, DVec2};
 
 /// Largest |ln σ| of a step: 4/9 of the limit at which it folds.
-const MOST_SWELL: f64 = 0.5;
+const MAX_SWELL: f64 = 0.5;
 /// Maximum number of Newton steps of an inverse.
-const MOST_NEWTON: usize = 40;
+const MAX_NEWTON: usize = 40;
 
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,10 +34,10 @@ impl Swirl {
             return Vec::new();
         }
         let turn = Self { center, radius, angle, swell: 0.0 };
-        let whole = (swell.abs() / MOST_SWELL).floor();
+        let whole = (swell.abs() / MAX_SWELL).floor();
         let part = |swell: f64| Self { angle: 0.0, swell, ..turn };
-        let swells = (0..whole as usize).map(|_| part(MOST_SWELL.copysign(swell)));
-        let rest = part(swell - (whole * MOST_SWELL).copysign(swell));
+        let swells = (0..whole as usize).map(|_| part(MAX_SWELL.copysign(swell)));
+        let rest = part(swell - (whole * MAX_SWELL).copysign(swell));
         let all = std::iter::once(turn).chain(swells).chain([rest]);
         all.filter(|step| step.angle != 0.0 || step.swell != 0.0).collect()
     }
@@ -96,7 +96,7 @@ impl Swirl {
             return image_q;
         }
         let (mut lo, mut hi, mut q) = (0.0_f64, 1.0_f64, image_q);
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             let miss = (q / image_q).ln() + 2.0 * self.swell * bump(q);
             if miss < 0.0 {
                 lo = q

@@ -327,7 +327,7 @@ impl Shot {
         let of = options.frames.len();
         let done = Mutex::new((0, Vec::new()));
         watch.tell(0, of);
-        let tell = |event| {
+        let on_event = |event| {
             let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
             match event {
                 Event::FrameDone(_) => done.0 += 1,
@@ -339,7 +339,7 @@ impl Shot {
             }
             watch.tell(done.0, of);
         };
-        let summary = pipeline::render(&self.prepared, options, watch.stop_flag(), &tell)?;
+        let summary = pipeline::render(&self.prepared, options, watch.stop_flag(), &on_event)?;
         let (_, failures) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(WriteReport { summary, failures })
     }

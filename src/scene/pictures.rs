@@ -99,7 +99,7 @@ mod tests {
         })
     }
 
-    fn least_angle_degrees(mesh: &Primitive) -> f64 {
+    fn min_angle_degrees(mesh: &Primitive) -> f64 {
         let angles = mesh.triangles.iter().flat_map(|triangle| {
             let corner = triangle.map(|corner| mesh.positions[corner as usize].as_dvec3());
             (0..3).map(move |k| (corner[(k + 1) % 3] - corner[k]).angle_between(corner[(k + 2) % 3] - corner[k]))
@@ -120,7 +120,7 @@ mod tests {
         let mesh = meshed(SIDE, &alpha);
         check_area(&mesh, (&alpha, 2.0 * std::f64::consts::PI * 200.0), SIDE);
         assert!((200..=700).contains(&mesh.positions.len()), "{} vertices", mesh.positions.len());
-        assert!(least_angle_degrees(&mesh) > 19.0, "{}", least_angle_degrees(&mesh));
+        assert!(min_angle_degrees(&mesh) > 19.0, "{}", min_angle_degrees(&mesh));
     }
 
     #[test]

@@ -71,7 +71,7 @@ impl<const D: usize> Minimization<'_, D> {
             state: self.state_in_space(handles.to_vec(), &constant)?,
             constant,
             level: 0,
-            least_level: 0,
+            min_level: 0,
             forcing: FORCING[0],
             last_square: f64::INFINITY,
         };
@@ -141,7 +141,7 @@ struct Descent<'a, const D: usize> {
     /// Index into [`CONVEXITY_LIMITS`].
     level: usize,
     /// Level to which the descent returns after a step: 0, or 1 near a saddle whose symmetry is kept.
-    least_level: usize,
+    min_level: usize,
     /// Fraction to which the residual of the present step is reduced.
     forcing: f64,
     /// Squared residual of the last step, in the norm of the preconditioner.
@@ -158,7 +158,7 @@ impl<const D: usize> Descent<'_, D> {
         problem.normal.subtract_matvec(&self.state.handles, &mut residual);
         let Direction { by, first, is_solved, curve } = self.direction(residual, &response)?;
         if curve.is_some() && length(&first) <= SYMMETRIC * problem.step_tolerance() {
-            self.least_level = 1;
+            self.min_level = 1;
             self.level = 1;
             return Ok(Some(false));
         }
@@ -178,13 +178,13 @@ impl<const D: usize> Descent<'_, D> {
             next = self.descend(next, &curve, length(&first).max(length(&by)))?;
         }
         if self.is_lower(&next) {
-            self.level = self.least_level;
+            self.level = self.min_level;
         } else if self.level + 1 < CONVEXITY_LIMITS.len() {
             self.level += 1;
             return Ok(Some(false));
         } else {
             next = problem.state_in_space(self.ahead(&first, 1.0), &self.constant)?;
-            self.level = self.least_level;
+            self.level = self.min_level;
         }
         let is_far = largest_step(&self.state.handles, &next.handles) > NEAR * problem.diagonal;
         self.state = if is_far { self.relaxed(next)? } else { next };

@@ -6,7 +6,7 @@
 
 use super::cancel::{Cancel, Cancelled};
 use super::linalg::normal_matrix::NormalMatrix;
-use super::linalg::pseudo_inverse::kept_share;
+use super::linalg::pseudo_inverse::fade_weight;
 use super::linalg::syrk::SyrkRows;
 use faer::linalg::solvers::Llt;
 use faer::{Mat, Side};
@@ -56,7 +56,7 @@ impl Overdetermined {
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
         let largest = (0..normal.size).map(|k| values[k]).fold(0.0, f64::max);
         let kept: Vec<(f64, Vec<f64>)> = (0..normal.size)
-            .map(|k| (k, kept_share(values[k], limits.cutoff * largest)))
+            .map(|k| (k, fade_weight(values[k], limits.cutoff * largest)))
             .filter(|&(_, share)| share > 0.0)
             .map(|(k, share)| (values[k] / share, (0..normal.size).map(|i| vectors[(i, k)]).collect()))
             .collect();

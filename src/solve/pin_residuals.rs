@@ -9,7 +9,7 @@ use super::yielding::YieldingPair;
 use serde::Serialize;
 
 /// Residuals below this fraction of the box diagonal are ignored: a fiftieth of a pixel where the box fills 1080 lines.
-const LEAST: f64 = 1e-5;
+const MIN_RESIDUAL: f64 = 1e-5;
 
 /// A pin that misses its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -103,7 +103,7 @@ pub(crate) struct Evidence<'a, const D: usize> {
 
 /// Lists the pins that miss their targets; `errors` holds the distance of each pin from its target.
 pub(crate) fn residuals<const D: usize>(evidence: &Evidence<D>, errors: &[f64]) -> Vec<PinResidual> {
-    let far = errors.iter().enumerate().filter(|(_, error)| **error > LEAST * evidence.diagonal);
+    let far = errors.iter().enumerate().filter(|(_, error)| **error > MIN_RESIDUAL * evidence.diagonal);
     far.map(|(pin, &distance)| PinResidual { pin, distance, reason: evidence.reason(pin) }).collect()
 }
 

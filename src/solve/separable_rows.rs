@@ -8,7 +8,7 @@ use super::linalg::syrk::ROW_PADDING;
 use pulp::{Simd, WithSimd};
 
 /// Maximum number of weights that are multiplied out: half a second-level cache.
-const MOST: usize = 1 << 16;
+const MAX_WEIGHTS: usize = 1 << 16;
 
 /// Number of registers per row that are computed together.
 const UNROLL: usize = 4;
@@ -32,7 +32,7 @@ impl SeparableRows {
         let sums = vec![[0.0; LANES]; counts[1] * counts[0].div_ceil(LANES)];
         let mut weights = Self { counts, points, factors, sums, whole: Vec::new() };
         let registers = weights.registers();
-        if points * registers * LANES <= MOST {
+        if points * registers * LANES <= MAX_WEIGHTS {
             let mut whole = vec![[0.0; LANES]; points * registers + UNROLL];
             dispatch(MultiplyOut { weights: &mut weights, whole: &mut whole });
             weights.whole = whole;

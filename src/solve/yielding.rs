@@ -10,7 +10,7 @@ use super::settings::{PinHold, Settings};
 use crate::lattice::Grid;
 
 /// Added to distances, in spans, so that pins at the same point have a finite compliance.
-const LEAST_DISTANCE: f64 = 1e-4;
+const MIN_DISTANCE: f64 = 1e-4;
 
 /// Distance in spans below which pins may demand less stretch and less rotation, because the lattice has to rotate and stretch a
 /// whole span with them.
@@ -83,12 +83,12 @@ impl<const D: usize> Demand<D> {
         if square >= 1.0 {
             return 0.0;
         }
-        let spans = square.sqrt() + LEAST_DISTANCE;
+        let spans = square.sqrt() + MIN_DISTANCE;
         let origin = [0.0; D];
         let [rest, now] = [&self.rest, &self.now].map(|between| distance(between, &origin));
         // Mean span along the direction of the pair.
         let span = if square > 0.0 { rest / square.sqrt() } else { grid.spacing(0) };
-        let least = span * LEAST_DISTANCE;
+        let least = span * MIN_DISTANCE;
         let length = rest + least;
         let times = (now + least) / length;
         // Compressing a pair counts as much as stretching it.

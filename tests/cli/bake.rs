@@ -86,7 +86,7 @@ fn two_writers_and_any_number_of_threads_write_the_same() {
 }
 
 #[test]
-fn what_changes_the_shape_is_solved_again_and_a_trim_is_not() {
+fn a_changed_shape_is_solved_again_and_a_trim_is_not() {
     let ranged = timed().replace("samples = 1", "samples = 1\nsolve_range = [1, 9]");
     let bench = Bench::with_shot(&ranged);
     bench.run("bake shot.toml").says(0, &["1 layer solved"]);

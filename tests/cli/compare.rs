@@ -50,7 +50,7 @@ fn a_layer_of_a_shot_is_compared() {
 }
 
 #[test]
-fn what_is_not_there_is_named() {
+fn missing_inputs_are_named() {
     let bench = square();
     bench.run("compare gone.json").says(2, &["gone.json", "cannot read"]);
     bench.run("compare square.json --methods hsu,magic").says(2, &["there is no method 'magic'", "mls"]);

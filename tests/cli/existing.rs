@@ -3,7 +3,7 @@
 use crate::support::Bench;
 
 #[test]
-fn refused_unless_asked() {
+fn existing_frames_are_refused_by_default() {
     let bench = Bench::new();
     bench.render("").says(0, &["2 frames on CPU", "frame 1 ->", "frame 2 ->"]);
     let before = bench.read("out/f.0001.exr");

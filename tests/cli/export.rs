@@ -300,7 +300,7 @@ fn pictures_travel_as_textured_cards_with_their_lattices() {
 }
 
 #[test]
-fn exports_that_cannot_be() {
+fn impossible_exports_are_refused() {
     let bench = usual(&square().json());
     bench.run("export shot.toml --to lattice-json").says(0, &[]);
     for to in ["gltf", "blender"] {

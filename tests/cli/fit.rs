@@ -74,7 +74,7 @@ fn a_drawn_pose_drives_a_shot() {
 }
 
 #[test]
-fn swapped_and_contradicting_landmarks_are_told() {
+fn swapped_and_contradicting_landmarks_are_reported() {
     let bench = bench();
     bench.write("swapped.csv", b"left,44,36,168,72\nright,84,36,88,72\ntop,64,20,128,40\nfoot,64,52,128,104\n");
     let told = bench.run("fit a.png b.png --pairs swapped.csv").says(0, &[]).stdout;
@@ -88,7 +88,7 @@ fn swapped_and_contradicting_landmarks_are_told() {
 }
 
 #[test]
-fn fits_that_cannot_be() {
+fn impossible_fits_are_refused() {
     let bench = bench();
     bench.write("good.csv", b"1,2,3,4\n");
     bench.write("bad.csv", b"1,2,3\n");

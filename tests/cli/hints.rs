@@ -98,7 +98,7 @@ fn folding(offset: &str) -> Bench {
 }
 
 #[test]
-fn folds_of_the_model_are_said_with_layer_frame_and_remedy() {
+fn folds_of_the_model_are_reported_with_layer_frame_and_remedy() {
     let bench = folding("[0.6, 0.0]");
     const WORDS: &[&str] = &["frame 2: layer 'all': the model folds over itself in", "guard = \"limit\"", "add pins"];
     let told = bench.render("").says(0, WORDS);
@@ -135,7 +135,7 @@ fn a_plain_arm_raise_is_no_reason_for_a_page_of_warnings() {
 }
 
 #[test]
-fn pins_that_share_cells_are_told_with_frames_and_dims() {
+fn pins_that_share_cells_are_reported_with_frames_and_dims() {
     let bench = arm();
     let text = String::from_utf8(bench.read("shot.toml")).expect("text");
     let skirt = "
@@ -170,7 +170,7 @@ fn a_frame_alone_says_what_it_says_in_a_sequence() {
 }
 
 #[test]
-fn names_that_are_long_or_strange() {
+fn long_and_unusual_names_are_handled() {
     let long = format!("{}.####.exr", "n".repeat(245));
     Bench::new().render(&format!("-o {long}")).says(0, &["2 frames"]);
     let bench = Bench::new();

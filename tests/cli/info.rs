@@ -72,7 +72,7 @@ fn shots_and_lattices_are_summed_up() {
 }
 
 #[test]
-fn what_cannot_be_listed_is_refused() {
+fn unreadable_files_are_refused() {
     let bench = Bench::new();
     bench.write("a.psd", b"8BPS");
     bench.run("info a.psd").says(2, &["is not a supported file"]);

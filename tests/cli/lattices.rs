@@ -87,7 +87,7 @@ fn a_resized_lattice_keeps_the_edit() {
 }
 
 #[test]
-fn transfers_that_cannot_be() {
+fn impossible_transfers_are_refused() {
     let bench = Bench::new();
     bench.run("export shot.toml --to lattice-json").says(0, &[]);
     bench.run("export shot.toml --to lattice-json").says(2, &["shot.lattice.json exists already"]);

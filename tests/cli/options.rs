@@ -5,7 +5,7 @@ use pinwarp::image::{Storage, read_exr};
 use serde_json::Value;
 
 #[test]
-fn frames_that_are_none() {
+fn invalid_frames_are_refused() {
     for list in ["", "a", "5-1", "1-5x0", "1,,2", "0-99999999", "2147483647", "-2147483648", "1-2x", "1.5"] {
         let bench = Bench::new();
         let mut command = bench.command(crate::support::PROGRAM);
@@ -26,7 +26,7 @@ fn frames_in_any_order_and_outside_the_range() {
 }
 
 #[test]
-fn scales_that_are_none() {
+fn invalid_scales_are_refused() {
     for scale in ["0", "-1", "x", "1/0", "nan", "inf", "17"] {
         Bench::new().render(&format!("--scale={scale}")).says(2, &["--scale", "a factor above 0", "1/2"]);
     }
@@ -44,14 +44,14 @@ fn scale_changes_the_size_only() {
 }
 
 #[test]
-fn samples_that_are_none() {
+fn invalid_samples_are_refused() {
     for samples in ["0", "-3", "x", "1.5", "99999"] {
         Bench::new().render(&format!("--samples={samples}")).says(2, &["--samples"]);
     }
 }
 
 #[test]
-fn one_path_for_two_frames() {
+fn one_path_for_two_frames_is_refused() {
     let bench = Bench::new();
     bench.render("-o single.exr").says(2, &["single.exr", "no frame counter for 2 frames", "single.####.exr"]);
     bench.render("-o single.exr --frames 2").says(0, &["frame 2 -> single.exr"]);
@@ -71,7 +71,7 @@ fn the_output_folder_stands_beside_the_shot() {
 }
 
 #[test]
-fn a_device_that_is_not_there() {
+fn an_unknown_device_is_refused() {
     let bench = Bench::new();
     let ended = bench.run("render shot.toml --device no-such-thing").says(2, &["cpu"]);
     // Without any driver there is nothing to match.

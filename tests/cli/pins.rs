@@ -26,7 +26,7 @@ fn pin_on_a_missing_triangle() {
 }
 
 #[test]
-fn pin_cast_into_the_void() {
+fn a_pin_ray_that_hits_nothing() {
     let screen = "{ screen = [0.01, 0.01], frame = 1 }";
     let ended =
         with_pin(&PIN.replace("{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }", screen)).render("");
@@ -67,7 +67,7 @@ fn a_layer_whose_pins_are_all_behind_the_camera_is_named() {
 }
 
 #[test]
-fn no_pins_at_all_is_said_and_changes_nothing() {
+fn missing_pins_are_reported_and_change_nothing() {
     let bare = Bench::with_shot(&format!("{HEAD}{OUTPUT}"));
     bare.render("").says(0, &["note: no layer has pins or moved handles: nothing is warped"]);
     let none = Bench::with_shot(&format!("{}{OUTPUT}", HEAD.split("[[layer]]").next().unwrap_or_default()));

@@ -83,7 +83,7 @@ fn resumed(kind: &Kind, flags: &str, redone: &[(i64, &str)]) {
 }
 
 #[test]
-fn what_this_run_would_write_is_kept_and_all_else_is_made_again() {
+fn frames_equal_to_the_requested_ones_are_kept_and_others_are_rendered_again() {
     for kind in kinds() {
         let bench = &kind.bench;
         bench.run(kind.run).says(0, &[]);
@@ -261,7 +261,7 @@ fn maps_are_checked_as_frames_are() {
 }
 
 #[test]
-fn what_dead_runs_left_is_removed() {
+fn leftovers_of_killed_runs_are_removed() {
     let bench = Bench::new();
     bench.render("").says(0, &[]);
     let clean = names_in(&bench.path("out"));
@@ -282,7 +282,7 @@ fn what_dead_runs_left_is_removed() {
 }
 
 #[test]
-fn what_a_run_left_that_died_after_its_last_frame_is_removed() {
+fn leftovers_of_a_run_killed_after_its_last_frame_are_removed() {
     for Kind { bench, run, frames } in kinds() {
         bench.run(run).says(0, &[]);
         let clean = names_in(&bench.path("out"));

@@ -70,12 +70,12 @@ fn empty_frame_range() {
 }
 
 #[test]
-fn size_of_nothing() {
+fn an_empty_size_is_refused() {
     refused("size = [64, 36]", "size = [0, 36]", &["size", "out of range"]);
 }
 
 #[test]
-fn sizes_beyond_all_memory() {
+fn excessive_sizes_are_refused() {
     refused("size = [64, 36]", "size = [100000, 100000]", &["size[0]", "100000 is out of range", "from 1 to 65536"]);
     let bench = Bench::with_shot(&shot().replace("[64, 36]", "[65536, 65536]"));
     bench.render("").says(2, &["shot.toml", "65536 x 65536", "too large", "stay within"]);
@@ -112,7 +112,7 @@ fn pixels_instead_of_frame_heights() {
 }
 
 #[test]
-fn several_faults_are_told_at_once() {
+fn several_faults_are_reported_at_once() {
     let text = shot().replace("samples = 1", "sampels = 1").replace("last = 2", "last = 0");
     Bench::with_shot(&text).render("").says(2, &["sampels", "frames.last"]);
 }

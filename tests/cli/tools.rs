@@ -55,7 +55,7 @@ fn a_written_pin_leaves_the_rest_of_the_file_alone() {
 }
 
 #[test]
-fn picks_that_hit_nothing() {
+fn picks_that_hit_nothing_are_refused() {
     let bench = Bench::new();
     bench.run("pick shot.toml --frame 1 --at 0.01,0.01").says(2, &["no surface at 0.0100,0.0100 in frame 1"]);
     bench.run("pick shot.toml --at 1").says(2, &["--at", "two numbers with a comma"]);
@@ -80,7 +80,7 @@ fn a_bare_problem_is_solved() {
 }
 
 #[test]
-fn contradicting_pins_of_a_problem_are_told() {
+fn contradicting_pins_of_a_problem_are_reported() {
     let bench = Bench::new();
     let second = r#"}, { "vertex": 0, "target": [0.0, 0.25] }] }"#;
     bench.write("problem.json", PROBLEM.replace("}] }", second).as_bytes());
@@ -89,7 +89,7 @@ fn contradicting_pins_of_a_problem_are_told() {
 }
 
 #[test]
-fn problems_that_are_none() {
+fn invalid_problems_are_refused() {
     let bench = Bench::new();
     bench.run("solve gone.json").says(2, &["gone.json", "cannot read"]);
     for (wrong, words) in [

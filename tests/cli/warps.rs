@@ -84,7 +84,7 @@ fn a_shot_warps_its_plate() {
 }
 
 #[test]
-fn layers_that_bend_each_others_parts_are_told_once() {
+fn layers_that_bend_each_others_parts_are_reported_once() {
     let two = SHOT.replace(
         "[output]",
         "[[layer]]\nname = \"other\"\n  [[layer.pin]]\n  anchor = { screen = [0.4, 0.5] }\n\n[output]",
@@ -114,7 +114,7 @@ fn json_lines_tell_what_was_done() {
 }
 
 #[test]
-fn what_is_left_out_of_plates_is_told_once() {
+fn channels_left_out_of_plates_are_reported_once() {
     let bench = bench(SHOT);
     for number in [1, 2] {
         let mut plate = Plate::from_frame(frame(FrameSize::new(64, 36)));
@@ -128,7 +128,7 @@ fn what_is_left_out_of_plates_is_told_once() {
 }
 
 #[test]
-fn stmaps_that_are_none_are_named() {
+fn invalid_stmaps_are_named() {
     let bench = bench(SHOT);
     let stmap = Plate::from_frame(frame(FrameSize::new(32, 18)));
     write_plate(&bench.path("m.exr"), &stmap).expect("written");
@@ -206,7 +206,7 @@ fn pictures_stay_pictures() {
 }
 
 #[test]
-fn what_cannot_be_warped_is_refused() {
+fn unsupported_inputs_are_refused() {
     let bench = bench(SHOT);
     let wrong = [
         ("warp in/b.####.exr", &["--shot", "--lattice", "--stmap"][..]),
@@ -292,7 +292,7 @@ fn mattes_that_are_not_there_are_named() {
 }
 
 #[test]
-fn what_is_misspelt_is_refused_at_once() {
+fn misspelt_names_are_refused_at_once() {
     let bench = bench(SHOT);
     let wrong = [
         ("warp --shot shot.toml --clean in/claen.####.exr", "cannot read in/claen.0001.exr"),
@@ -310,7 +310,7 @@ fn what_is_misspelt_is_refused_at_once() {
 }
 
 #[test]
-fn channels_that_fit_nothing_are_told() {
+fn channels_that_fit_nothing_are_reported() {
     let channels = "[warp]\nchannels = [{ name = \"deep.Z\", meaning = \"data\" }]\n[output]";
     let bench = bench(&SHOT.replace("[output]", channels));
     let says = ["note: [[warp.channels]]: no channel of the plate matches 'deep.Z'", "depth.Z"];
@@ -340,7 +340,7 @@ fn two_layers_with_one_matte_are_refused() {
 }
 
 #[test]
-fn mattes_that_overlap_are_told_with_their_pixels() {
+fn mattes_that_overlap_are_reported_with_their_pixels() {
     let bench = two_layers("{ id = \"id.object\", values = [7] }", "{ id = \"id.object\", values = [7, 4] }");
     let says = ["the mattes of the layers \"one\" and \"other\" overlap: 81 pixels move more than once"];
     bench.run("warp --shot shot.toml --frames 2").says(0, &says);

@@ -103,7 +103,7 @@ fn output_that_nobody_can_store_is_a_failure() {
 }
 
 #[test]
-fn every_detail_is_told_without_escape_codes() {
+fn verbose_output_has_no_escape_codes() {
     // `checked` looks for them in every run.
     let bench = Bench::new();
     bench.render("-vv").says(0, &["busy: geometry"]);

@@ -3,7 +3,7 @@
 #[path = "../support/assets.rs"]
 mod assets;
 
-use crate::stage::{PATIENCE, SHOT, Stage, at, place_pin, press};
+use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press};
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
 use pinwarp::image::{Preview, write_png};
 use pinwarp::raster::DeviceChoice;
@@ -15,7 +15,7 @@ use std::path::Path;
 fn opened(path: &Path) -> Session {
     let document = open(path, FileAccess::SceneFolder).expect("it opens");
     let mut session = Session::new(document, DeviceChoice::Cpu, || ());
-    assert!(session.settle(PATIENCE), "{}: {:?}", path.display(), session.fault());
+    assert!(session.settle(TIMEOUT), "{}: {:?}", path.display(), session.fault());
     session
 }
 
@@ -26,13 +26,13 @@ fn is_edited(session: &mut Session, on: [f64; 2]) {
     let [layer, pin] = session.selection.single_pin().expect("the new pin is chosen");
     let last = session.playhead.shot_range()[1].min(session.playhead.frame() + 3);
     session.go(last);
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let marks = session.marks().iter().find(|marks| marks.layer == layer).expect("it is warped").clone();
     let from = marks.pins.iter().find(|mark| mark.pin == pin).expect("it is seen").target.0;
     press(session, at(from.x, from.y));
     session.motion(at(from.x + 0.04, from.y + 0.05));
     session.release();
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     assert_eq!(session.document().shot().layers[layer].pins[pin].keys.len(), 2);
     assert_eq!(session.picture().map(|picture| picture.quality), Some(Quality::Final));
     let edited = session.document().text().to_owned();
@@ -98,13 +98,13 @@ fn a_picture_and_plates_are_edited() {
         session.set_matte(&matte);
         assert!(session.document().text().contains(text), "{}", session.document().text());
         assert_eq!(MatteChoice::of(&session.document().shot().layers[0]), Some(matte));
-        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     }
     session.set_matte(&MatteChoice::Cryptomatte(vec!["Body*".into()]));
-    assert!(!session.settle(PATIENCE), "the plate has no Cryptomatte");
+    assert!(!session.settle(TIMEOUT), "the plate has no Cryptomatte");
     assert!(session.fault().is_some_and(|text| text.to_lowercase().contains("cryptomatte")), "{:?}", session.fault());
     session.undo();
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_lattice_in_the_scene_is_edited_beside_one_of_the_screen() {
 }
 
 #[test]
-fn broken_files_are_told_and_a_shot_that_breaks_on_disk_changes_nothing() {
+fn broken_files_are_reported_and_a_shot_that_breaks_on_disk_changes_nothing() {
     let stage = Stage::new();
     let told = |path: &Path| open(path, FileAccess::SceneFolder).map(|_| ()).expect_err("it is broken").to_string();
     let folder = stage.folder.path();
@@ -134,10 +134,10 @@ fn broken_files_are_told_and_a_shot_that_breaks_on_disk_changes_nothing() {
     fs::write(folder.join("lost.toml"), SHOT.replace("cards.gltf", "lost.gltf")).expect("written");
     let mut session =
         Session::new(Document::open(&folder.join("lost.toml")).expect("a shot"), DeviceChoice::Cpu, || ());
-    assert!(!session.settle(PATIENCE));
+    assert!(!session.settle(TIMEOUT));
     assert!(session.fault().is_some_and(|text| text.contains("lost.gltf")), "{:?}", session.fault());
     session.set_shot("Choose scene", &["scene"], &pinwarp::shot::edit::Setting::Text("cards.gltf".into()), None);
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 
     let mut session = stage.session();
     place_pin(&mut session, at(0.4, 0.5));

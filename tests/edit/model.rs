@@ -1,6 +1,6 @@
 //! A person's work without a window: place, drag, key, undo, save, render.
 
-use crate::stage::{PATIENCE, SHOT, Stage, at, place_pin, press, until};
+use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
 use pinwarp::edit::{EasePreset, Picture, Quality, Session};
 use pinwarp::image::{preview, read_exr};
 use pinwarp::pipeline::{PreparedShot, RenderOptions, render};
@@ -17,7 +17,7 @@ fn drag(session: &mut Session, from: [f64; 2], to: [f64; 2]) {
     session.motion(at(0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])));
     session.motion(at(to[0], to[1]));
     session.release();
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn a_click_places_a_pin_and_a_drag_keys_it_in_the_frame_that_is_seen() {
     let mut session = stage.session();
     place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
     session.go(4);
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     let mark = session.marks()[0].pins[0].target;
     drag(&mut session, mark.0.to_array(), [mark.0.x, mark.0.y + 0.1]);
     let pin = &session.document().shot().layers[0].pins[0];
@@ -75,7 +75,7 @@ fn what_is_seen_is_what_is_rendered_bit_for_bit() {
     session.set_layer("Solve over time", &["solve", "temporal"], &pinwarp::shot::edit::Setting::Number(0.3), None);
     place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
     session.go(3);
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     let mark = session.marks()[0].pins[0].target.0;
     drag(&mut session, mark.to_array(), [mark.x + 0.06, mark.y + 0.12]);
     let seen = session.picture().expect("drawn").clone();
@@ -133,7 +133,7 @@ fn empty_space_chooses_by_a_box_and_escape_gives_a_drag_up() {
     session.motion(at(0.35, 0.6));
     session.cancel();
     session.release();
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     assert_eq!(session.document().text(), before);
     let mark = &session.marks()[0].pins[0];
     assert!((mark.target - mark.rest).0.length() < 1e-6);
@@ -160,19 +160,19 @@ fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
     assert_eq!(of[0][0].keys[0].ease, EasePreset::Hold.ease());
     assert_eq!(of[1][0].keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 5.0]);
     session.go(3);
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     let moved = session.picture().expect("drawn").rgba.clone();
     let text = session.document().text().to_owned();
     session.toggle_mute("left");
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     assert_ne!(session.picture().expect("drawn").rgba, moved);
     session.toggle_mute("left");
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     assert_eq!((&session.picture().expect("drawn").rgba, session.document().text()), (&moved, text.as_str()));
 }
 
 #[test]
-fn a_faulty_edit_is_told_and_changes_nothing() {
+fn a_faulty_edit_is_reported_and_changes_nothing() {
     let stage = Stage::new();
     let mut session = stage.session();
     session.set_shot("Frames", &["frames", "last"], &pinwarp::shot::edit::Setting::Whole(-5), None);

@@ -1,6 +1,6 @@
 //! What a pin can be told beside where it goes: weight, rest, stiffness, its other side; and what becomes of keys and handles.
 
-use crate::stage::{PATIENCE, REACH, SHOT, Stage, at, place_pin, press};
+use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, place_pin, press};
 use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
 use pinwarp::shot::{Goal, Pin};
 
@@ -12,7 +12,7 @@ fn drag(session: &mut Session, from: [f64; 2], to: [f64; 2]) {
     press(session, at(from[0], from[1]));
     session.motion(at(to[0], to[1]));
     session.release();
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 
 /// How far the picture is from the one at rest: mean difference of its bytes.
@@ -35,11 +35,11 @@ fn a_soft_pin_gives_way_and_a_muted_one_rests() {
     assert!(hard > 0.5 && error(&session) < 0.01, "{hard}, {}", error(&session));
     let text = session.document().text().to_owned();
     session.set_weight([0, 2], 0.2);
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let soft = change(&session, &rest);
     assert!(soft < 0.9 * hard && error(&session) > 1.0, "{soft} of {hard}, {}", error(&session));
     session.toggle_pin_mute(&[[0, 2]]);
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     assert_eq!((change(&session, &rest), session.marks()[0].pins.len()), (0.0, 2));
     assert!(session.document().text().contains("mute = true"));
     session.toggle_pin_mute(&[[0, 2]]);
@@ -48,14 +48,14 @@ fn a_soft_pin_gives_way_and_a_muted_one_rests() {
 }
 
 #[test]
-fn what_is_done_to_one_side_is_done_to_the_other() {
+fn edits_are_mirrored_to_the_other_side() {
     let stage = Stage::new();
     let mut session = stage.session();
     for (index, (x, name)) in [(0.3, "ear left"), (0.65, "ear right")].into_iter().enumerate() {
         place_pin(&mut session, at(x, 0.5));
         session.rename_pin([0, index], name);
     }
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     session.mirrors = true;
     drag(&mut session, [0.3, 0.5], [0.25, 0.6]);
     let offset = |session: &Session, index: usize| match pin(session, 0, index).keys[0].goal {
@@ -69,7 +69,7 @@ fn what_is_done_to_one_side_is_done_to_the_other() {
     assert_eq!(labels.last(), Some(&"Move pins"), "both are undone at once");
     session.mirrors = false;
     session.undo();
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     drag(&mut session, [0.3, 0.5], [0.25, 0.6]);
     assert_eq!(offset(&session, 1), [0.0, 0.0]);
 }
@@ -84,7 +84,7 @@ fn a_held_key_and_a_drag_stiffen_a_region() {
         session.press(at(0.4, 0.5), (REACH, ring), Held { part, ..Held::default() });
         session.motion(at(to[0], to[1]));
         session.release();
-        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
         pin(&session, 0, 0).region.expect("it has one")
     };
     let region = held(PinPart::Radius, [0.6, 0.5]);
@@ -109,7 +109,7 @@ fn a_handle_of_a_layer_without_pins_is_dragged_and_kept_in_other_dims() {
     assert!((moved - handle - glam::DVec2::new(0.05, 0.08)).length() < 1e-6, "{moved} from {handle}");
     let keys = handles(&session)[0].keys.clone();
     session.set_dims([11, 11]);
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let finer = handles(&session);
     assert_eq!((finer.len(), &finer[0].keys), (1, &keys));
     let [column, row, _] = finer[0].index;

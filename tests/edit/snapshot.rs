@@ -3,7 +3,7 @@
 //! All of it is drawn on the CPU by code of this program, with the toolkit's own fonts, so pictures hardly differ from machine to machine.
 //! `UPDATE=1` writes them anew.
 
-use crate::stage::{PATIENCE, Stage, at, place_pin, press};
+use crate::stage::{Stage, TIMEOUT, at, place_pin, press};
 use pinwarp::edit::ui::{EditorOptions, Theme, screenshot};
 use pinwarp::image::{Plate, read_picture};
 use pinwarp::raster::DeviceChoice;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 const SAME: f32 = 0.04;
 
 /// Pixels that may differ: a thousandth.
-const MOST: f64 = 1e-3;
+const MAX_DIFFERENCE: f64 = 1e-3;
 
 fn kept(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/edit/pictures").join(name)
@@ -55,7 +55,7 @@ fn the_window_looks_as_it_did() {
         place_pin(&mut session, at(x, y));
     }
     session.go(3);
-    assert!(session.settle(PATIENCE));
+    assert!(session.settle(TIMEOUT));
     let mark = session.marks()[0].pins[2].target.0;
     press(&mut session, at(mark.x, mark.y));
     session.motion(at(mark.x + 0.06, mark.y + 0.08));
@@ -70,7 +70,7 @@ fn the_window_looks_as_it_did() {
         }
         let [new, old] = [new, kept(name)].map(|path| read_picture(&path).expect("a picture; UPDATE=1 writes it"));
         let share = differing(&new, &old);
-        assert!(share < MOST, "{name}: {:.2} % of the pixels differ; UPDATE=1 writes it anew", 100.0 * share);
+        assert!(share < MAX_DIFFERENCE, "{name}: {:.2} % of the pixels differ; UPDATE=1 writes it anew", 100.0 * share);
     }
 }
 
@@ -81,5 +81,5 @@ fn another_window_looks_different() {
         .map(|theme| read_picture(&drawn(&stage.shot(), &stage.state(), theme)).expect("a picture"));
     assert!(differing(&dark, &light) > 0.5);
     let kept = read_picture(&kept("dark.png")).expect("kept");
-    assert!(differing(&dark, &kept) > MOST, "without pins it is another picture");
+    assert!(differing(&dark, &kept) > MAX_DIFFERENCE, "without pins it is another picture");
 }

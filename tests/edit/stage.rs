@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Longest that anything here may take.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// How near the pen has to be, frame heights.
 pub(crate) const REACH: f64 = 0.03;
@@ -66,7 +66,7 @@ impl Stage {
     pub(crate) fn session(&self) -> Session {
         let document = Document::open(&self.shot()).expect("a shot");
         let mut session = Session::new(document, DeviceChoice::Cpu, || ());
-        assert!(session.settle(PATIENCE), "{:?}", session.fault());
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
         session
     }
 }
@@ -86,7 +86,7 @@ pub(crate) fn press(session: &mut Session, point: ScreenPoint) {
 pub(crate) fn until(session: &mut Session, what: &str, holds: impl Fn(&Session) -> bool) {
     let begun = Instant::now();
     while !holds(session) {
-        assert!(begun.elapsed() < PATIENCE, "{what}: {:?} {:?}", session.fault(), session.message());
+        assert!(begun.elapsed() < TIMEOUT, "{what}: {:?} {:?}", session.fault(), session.message());
         session.pump();
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -100,5 +100,5 @@ pub(crate) fn place_pin(session: &mut Session, point: ScreenPoint) {
     press(session, point);
     session.release();
     until(session, "a pin is placed", |session| count(session) == before + 1);
-    assert!(session.settle(PATIENCE), "{:?}", session.fault());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }

@@ -1,6 +1,6 @@
 //! The real interface, driven through its accessibility tree and by a pointer: what a person does in the first three minutes.
 
-use crate::stage::{PATIENCE, SHOT, Stage};
+use crate::stage::{SHOT, Stage, TIMEOUT};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -41,7 +41,7 @@ fn session(window: &Window) -> &Session {
 fn until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) {
     let begun = Instant::now();
     while !holds(window) {
-        assert!(begun.elapsed() < PATIENCE, "{what}");
+        assert!(begun.elapsed() < TIMEOUT, "{what}");
         window.step();
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -203,7 +203,7 @@ fn a_curve_is_dragged_and_a_pin_is_muted() {
 
 /// Every control that is seen has a name.
 #[test]
-fn what_can_be_clicked_has_a_name() {
+fn clickable_widgets_have_names() {
     let stage = Stage::new();
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);

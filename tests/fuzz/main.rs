@@ -9,7 +9,7 @@ mod damage;
 mod kinds;
 mod readers;
 
-use damage::{Dice, damaged};
+use damage::{Rng, damaged};
 use kinds::Kind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -17,11 +17,11 @@ use std::sync::{Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 /// Longest that a damaged file may keep its reader, on a busy machine.
-const MOST_SECONDS: u64 = 60;
+const MAX_SECONDS: u64 = 60;
 /// Memory that reading damaged files may take at its peak: the largest sound one takes a tenth of that.
-const MOST_MEGABYTES: u64 = 2048;
+const MAX_MEGABYTES: u64 = 2048;
 /// Cases of a kind that may fail before the others are left out.
-const MOST_FAULTS: usize = 3;
+const MAX_FAULTS: usize = 3;
 
 fn from_environment(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(otherwise)
@@ -75,8 +75,8 @@ impl Round {
     /// A thread of its own: what never ends is left behind.
     fn run(&self, kind: &Kind, report: &mpsc::Sender<Outcome>) {
         for case in 0..self.count {
-            let mut dice = Dice::new(self.seed, case);
-            let bytes = damaged(dice.pick::<Vec<u8>>(&kind.sound), kind.words, &mut dice);
+            let mut rng = Rng::new(self.seed, case);
+            let bytes = damaged(rng.pick::<Vec<u8>>(&kind.sound), kind.words, &mut rng);
             let path = self.path(kind, case);
             std::fs::write(&path, bytes).expect("the folder of the build");
             let outcome = attempt(kind, &path);
@@ -118,7 +118,7 @@ fn survive(kind: Kind) {
     let (name, count, folder) = (kind.name, round.count, round.folder.clone());
     std::thread::spawn(move || round.run(&kind, &report));
     for case in 0..count {
-        let Ok(outcome) = outcomes.recv_timeout(Duration::from_secs(MOST_SECONDS)) else {
+        let Ok(outcome) = outcomes.recv_timeout(Duration::from_secs(MAX_SECONDS)) else {
             panic!("{name}: case {case} in {} does not end", folder.display());
         };
         slowest = slowest.max(outcome.took);
@@ -126,14 +126,14 @@ fn survive(kind: Kind) {
             Ok(went) => taken += u64::from(went),
             Err(text) => faults.push(format!("case {case} in {}: {text}", folder.display())),
         }
-        if faults.len() >= MOST_FAULTS {
+        if faults.len() >= MAX_FAULTS {
             break;
         }
     }
     assert!(faults.is_empty(), "{name}: readers panic:\n{}", faults.join("\n"));
     let grown = peak_megabytes().zip(before).map_or(0, |(after, before)| after - before);
     eprintln!("{name}: {count} damaged files, {taken} read, slowest {} ms, {grown} MB more", slowest.as_millis());
-    assert!(grown < MOST_MEGABYTES, "{name}: {grown} MB");
+    assert!(grown < MAX_MEGABYTES, "{name}: {grown} MB");
     assert!(0 < taken && taken < count, "{name}: {taken} of {count} were read: damages reach nothing");
 }
 

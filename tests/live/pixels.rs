@@ -99,7 +99,7 @@ fn a_picture_can_be_given_up() {
 }
 
 #[test]
-fn what_rests_keeps_its_bits() {
+fn unchanged_pixels_keep_their_bits() {
     let (window, warp) = (WIDE.window(), bent());
     let mut planes: Vec<Vec<f32>> = (0..4).map(|k| noise(window, k)).collect();
     planes[3].iter_mut().step_by(3).for_each(|alpha| *alpha = 0.0);

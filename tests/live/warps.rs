@@ -160,7 +160,7 @@ fn the_last_warp_over_an_alpha_can_be_shown_without_its_pixels() {
 }
 
 #[test]
-fn faults_are_told() {
+fn faults_are_reported() {
     let told = |change: fn(&mut Controls)| {
         let mut controls = eight_pins();
         change(&mut controls);

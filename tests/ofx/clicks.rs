@@ -75,7 +75,7 @@ fn pins_that_were_switched_off_keep_their_places() {
 }
 
 #[test]
-fn a_pin_too_many_is_told() {
+fn a_pin_too_many_is_reported() {
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = bare(&mut host);
     (1..=32).for_each(|pin| host.pin(node, pin, [2.0 * pin as f64, 10.0], [2.0 * pin as f64, 10.0]));

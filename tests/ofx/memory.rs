@@ -120,8 +120,8 @@ fn files_that_do_not_fit_are_neither_read_nor_written() {
 }
 
 #[test]
-fn a_limit_that_is_none_is_told() {
-    limited("lots", "memory::a_limit_that_is_none_is_told", || {
+fn an_invalid_limit_is_reported() {
+    limited("lots", "memory::an_invalid_limit_is_reported", || {
         let mut host = Host::start(&BOOK, Which::PinWarp);
         let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
         assert_eq!(host.render(node, Frame::default()).err(), Some(Status::FAILED));

@@ -7,7 +7,7 @@ use pinwarp::ofx::api::RectI;
 use pinwarp::ofx::api::names::image;
 
 #[test]
-fn nothing_to_do_is_said_and_does_nothing() {
+fn identity_warps_are_announced_and_change_nothing() {
     let pixels = Pixels::scenery(SIZE, 4);
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = host.node();

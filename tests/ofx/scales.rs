@@ -45,7 +45,7 @@ fn a_proxy_is_the_picture_at_half_its_size() {
 }
 
 #[test]
-fn what_images_say_of_their_scale_holds() {
+fn the_scale_of_images_is_respected() {
     let pixels = half(&Pixels::scenery(SIZE, 4));
     let honest = proxy(&BOOK, &pixels, [0.5, 0.5]);
     assert!(proxy(&BOOK, &pixels, [1.0, 1.0]) == honest, "Fusion announces one scale and renders at another");

@@ -6,7 +6,7 @@ use crate::{SIZE, pull, pulled};
 use pinwarp::ofx::api::names::image;
 
 #[test]
-fn numbers_that_are_none_do_not_matter() {
+fn non_finite_numbers_are_ignored() {
     let pixels = Pixels::scenery(SIZE, 4);
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &pixels);
@@ -64,7 +64,7 @@ fn settings_out_of_range_are_brought_back_or_refused_in_words() {
 }
 
 #[test]
-fn a_shot_that_is_not_there_is_told_once_and_forgotten_when_mended() {
+fn a_missing_shot_is_reported_once_and_forgotten_when_restored() {
     let pixels = Pixels::scenery(SIZE, 4);
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &pixels);

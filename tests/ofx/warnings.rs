@@ -66,7 +66,7 @@ fn a_warning_is_taken_back_by_its_frame_and_given_again_after_an_edit() {
 }
 
 #[test]
-fn a_picture_without_faults_is_not_spoken_of() {
+fn a_picture_without_faults_gives_no_messages() {
     for profile in ALL {
         for which in [Which::PinWarp, Which::StMap] {
             let mut host = Host::start(profile, which);
@@ -120,7 +120,7 @@ fn pins_are_named_by_their_numbers_and_names() {
 }
 
 #[test]
-fn pins_that_cannot_be_meant_are_told_in_pixels() {
+fn implausible_pins_are_reported_in_pixels() {
     let mut host = Host::start(&BOOK, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));
     host.pin(node, 7, [60.0, 40.0], [1e7, 40.0]);
@@ -157,7 +157,7 @@ fn nothing_in_a_name_drives_a_terminal_or_breaks_a_line() {
 }
 
 #[test]
-fn news_come_without_a_format() {
+fn messages_are_not_format_strings() {
     let folder = tempfile::Builder::new().prefix("100% sure").tempdir().expect("a folder");
     let mut host = Host::start(&RESOLVE, Which::PinWarp);
     let node = pulled(&mut host, &Pixels::scenery(SIZE, 4));

@@ -155,7 +155,7 @@ fn light_without_alpha_survives() {
 }
 
 #[test]
-fn numbers_that_are_none_do_not_spread() {
+fn non_finite_numbers_do_not_spread() {
     let bad = |x: u32, y: u32| {
         if (x, y) == (4, 4) {
             f32::NAN

@@ -104,7 +104,7 @@ fn the_map_of_a_field_at_rest_is_exactly_nothing() {
 }
 
 #[test]
-fn back_and_forth_is_nothing() {
+fn a_warp_and_its_inverse_cancel() {
     let frame = FrameSize { pixel_aspect: 1.4, ..FRAME };
     let window = PixelRect { x: -20, y: -15, width: 180, height: 100 };
     for basis in BASES {

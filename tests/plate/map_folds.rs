@@ -80,7 +80,7 @@ fn pulled_over() -> Field {
 }
 
 #[test]
-fn folds_are_told_where_turned_over_parts_land() {
+fn folds_are_reported_where_turned_over_parts_land() {
     let field = pulled_over();
     let map = WarpMap::backward(&field, FRAME, WINDOW);
     let mut is_folded = vec![false; WINDOW.area()];
@@ -103,7 +103,7 @@ fn folds_are_told_where_turned_over_parts_land() {
 }
 
 #[test]
-fn sheets_behind_the_first_are_told_where_the_picture_lies_over_itself() {
+fn hidden_preimages_are_reported_where_the_picture_overlaps_itself() {
     let field = pulled_over();
     let sheets = WarpMap::backward_preimages(&field, FRAME, WINDOW);
     let front = WarpMap::backward(&field, FRAME, WINDOW);
@@ -122,7 +122,7 @@ fn sheets_behind_the_first_are_told_where_the_picture_lies_over_itself() {
 }
 
 #[test]
-fn a_warped_plate_tells_where_it_lies_over_itself() {
+fn a_warped_plate_reports_where_it_overlaps_itself() {
     let field = pulled_over();
     let wanted = WarpMap::backward(&field, FRAME, FRAME.window()).folded_pixels.len();
     let whole = |_: u32, _: u32| 1.0;

@@ -48,7 +48,7 @@ fn names_of_renderers_are_understood() {
 }
 
 #[test]
-fn names_that_say_nothing_are_guessed_and_doubtful_guesses_told() {
+fn unknown_channel_names_are_guessed_and_doubtful_guesses_reported() {
     let settings = WarpSettings::default();
     let half = report(&["thing.R", "thing.q", "glow"], Storage::Half, &settings);
     assert!(half.channels.iter().all(|channel| (channel.semantic, channel.reason) == (Color, SemanticReason::Guess)));

@@ -28,7 +28,7 @@ fn beachballs() -> Vec<Plate> {
 }
 
 #[test]
-fn nothing_moves_nothing() {
+fn an_identity_map_changes_nothing() {
     let settings = WarpSettings::default();
     for ball in beachballs() {
         for field in [Field::identity(), shift(0, 0, 1556)] {

@@ -34,7 +34,7 @@ fn assert_box(found: [f64; 4], expected: [f64; 4]) {
 }
 
 #[test]
-fn boxes_stand_where_they_are_told() {
+fn fixed_boxes_have_the_given_position() {
     assert_box(box_at(&studio(square(0.02), "{ fixed = [0.1, 0.2, 1.5, 0.9] }"), 5.0), [0.1, 0.2, 1.5, 0.9]);
     assert_box(box_at(&studio(square(0.02), "\"frame\""), 5.0), [0.0, 0.0, 1.6, 1.0]);
 }

@@ -71,7 +71,7 @@ fn islands_hang_on_what_is_near_and_on_what_they_are_joined_to() {
 }
 
 #[test]
-fn cuts_and_joins_that_do_nothing_are_told() {
+fn cuts_and_joins_without_effect_are_reported() {
     for (lattice, parts) in [
         ("cuts = [{ nodes = ['Leg'] }]", ["no node matches 'Leg'", "cuts[0].nodes"]),
         ("cuts = [{ nodes = ['*'] }]", ["separates nothing", "cuts[0]"]),

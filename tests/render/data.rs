@@ -119,7 +119,7 @@ fn data_of_a_device_are_the_same_for_every_number_of_samples() {
 }
 
 #[test]
-fn another_moment_s_data_are_told_apart() {
+fn data_of_another_time_are_distinguished() {
     let all = cases();
     let case = all.iter().find(|case| case.name.starts_with("walker")).expect("a case");
     let other = Case { frame: case.frame + 1, name: case.name.clone(), shot: case.shot.clone() };

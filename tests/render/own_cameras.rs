@@ -36,7 +36,7 @@ fn ids(studio: &Studio) -> usize {
 }
 
 #[test]
-fn a_camera_of_the_shot_looks_where_it_is_told() {
+fn a_camera_of_the_shot_looks_at_its_target() {
     for (lines, looked_at, depth) in [
         ("camera = { look_at = 'Body', distance = 4, yaw = 50, pitch = 20 }", [1.5, 1.0, 0.0], 4.0),
         ("camera = { look_at = [1, 2, 3], distance = 2, pitch = -80, roll = 33 }", [1.0, 2.0, 3.0], 2.0),

@@ -31,7 +31,7 @@ fn told_of(dims: &str, [hand, skirt]: [[f64; 2]; 2]) -> Vec<String> {
 }
 
 #[test]
-fn pins_that_share_cells_are_told_with_layer_pins_and_remedy() {
+fn pins_that_share_cells_are_reported_with_layer_pins_and_remedy() {
     let words = told("[8, 8]", 0.12);
     assert_eq!(words.len(), 1, "{words:?}");
     assert!(words[0].starts_with("layer 'girl': pins 'hand' and 'skirt' share cells of the lattice ("), "{words:?}");

@@ -57,7 +57,7 @@ fn a_frame_after_a_gap_has_the_jerk_that_it_has_in_a_run() {
 }
 
 #[test]
-fn jerk_of_keys_is_told_as_the_inputs() {
+fn jerk_of_keys_is_attributed_to_the_input() {
     // A jump of 0.25 frame heights: |1 − 3 + ...| gives 1, 2 and 1 times 10 px, twice as much in the middle.
     let studio = |last: &str| {
         let keys = format!("{{ frame = 1, offset = [0.0, 0.0] }}, {{ frame = 5, offset = [0.0, 0.0] }}, {last}");
@@ -74,7 +74,7 @@ fn jerk_of_keys_is_told_as_the_inputs() {
 }
 
 #[test]
-fn a_warp_that_jerks_by_itself_is_told() {
+fn a_warp_that_jerks_by_itself_is_reported() {
     // Two pins all but on one point, the model turning under them a little: what they hold far away flickers.
     let mut studio = Studio::tiny(&Tiny::of(vec![grid("Quad", [-0.2, -0.2, 0.2, 0.2], 2)]), &pinned_layer(""));
     let mut near = studio.shot.layers[0].pins[0].clone();

@@ -92,7 +92,7 @@ fn frames_of_a_trajectory_are_the_same_alone_in_any_order_and_in_a_trimmed_shot(
 }
 
 #[test]
-fn a_spread_snap_is_told() {
+fn a_spread_snap_is_reported() {
     let told = |far: f64| -> usize {
         let prepared = swing_by("temporal = 0.3", far).prepared();
         let warnings =

@@ -112,7 +112,7 @@ fn a_target_is_a_pixel_or_a_point_of_the_scene() {
 }
 
 #[test]
-fn edits_in_metres_do_not_care_for_the_camera_and_dragged_ones_do() {
+fn targets_in_metres_are_independent_of_the_camera_and_dragged_ones_are_not() {
     let mut tiny = seen(sheet(), NEAR);
     // A tenth of a metre nearer a frame.
     tiny.camera_velocity = [1.0, 0.5, -2.4];
@@ -260,7 +260,7 @@ fn world_and_screen_layers_work_side_by_side() {
 }
 
 #[test]
-fn meshes_too_coarse_for_their_lattice_are_told() {
+fn meshes_too_coarse_for_their_lattice_are_reported() {
     let layer = world_layer(&pin("")).replace("\"world\"", "\"world\", dims = [8, 8, 4]");
     let notes = |part: Part| Studio::tiny(&seen(part, NEAR), &layer).prepared().notes;
     let coarse = notes(grid("Quad", [-0.6, -0.5, 0.6, 0.5], 1));

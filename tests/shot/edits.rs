@@ -95,7 +95,7 @@ fn the_named_layer_is_edited() {
 }
 
 #[test]
-fn what_cannot_be_edited_is_refused_with_a_remedy() {
+fn unsupported_edits_are_refused_with_a_remedy() {
     for (text, layer, says) in [
         ("[[layer]]\nname = 'a'\n[[layer]]", Some("b"), "no layer \"b\"; layers here: a, layer2"),
         ("layer = 3", None, "`layer` is not a list of tables; write [[layer]]"),

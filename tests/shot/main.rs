@@ -103,7 +103,7 @@ fn pins_are_read_in_full() {
 }
 
 #[test]
-fn what_is_left_out_takes_the_documented_defaults() {
+fn omitted_keys_take_the_documented_defaults() {
     let shot = parse("scene = 'a.glb'\nframes = { first = 5, last = 9 }\n[[layer]]\n[[layer]]").unwrap();
     assert_eq!((shot.frames.rate, shot.frames.clip_start, shot.is_looped), (24.0, 5, false));
     assert_eq!((shot.shutter.angle, shot.samples, shot.size), (0.0, 16, FrameSize::new(1920, 1080)));

@@ -41,7 +41,7 @@ fn a_world_layer_is_read_in_full() {
 }
 
 #[test]
-fn what_is_left_out_takes_the_defaults_of_the_world() {
+fn omitted_keys_take_the_defaults_of_world_layers() {
     let shot = parse("scene = 'a.glb'\nframes = { first = 1, last = 2 }\n[[layer]]\nlattice.space = 'world'").unwrap();
     assert_eq!(shot.layers[0].space, LayerSpace::World { dims: [5; 3], bounds: WorldBoxRule::Follow });
 }

@@ -43,7 +43,7 @@ proptest! {
     }
 
     #[test]
-    fn a_pin_told_twice_is_told_once(pins in pins_2d(), basis in bases()) {
+    fn a_duplicate_pin_is_reported_once(pins in pins_2d(), basis in bases()) {
         let twice: Vec<_> = pins.iter().chain(&pins).copied().collect();
         let solution = run(&grid(10, basis), &sheet(12), &twice, &[]);
         for pin in &pins {
@@ -114,7 +114,7 @@ fn a_handle_that_holds_a_pinned_point_is_named() {
 }
 
 #[test]
-fn other_reasons_are_told_apart() {
+fn other_reasons_are_distinguished() {
     let (grid, shape) = (grid::<2>(8, Basis::Bspline), sheet(12));
     let held = [[0.2, 0.2], [0.8, 0.2], [0.2, 0.8]].map(|at| PointPin::new(at, at));
     let reasons = |pins: &[PointPin<2>], settings: &Settings| -> Vec<ResidualReason> {

@@ -42,7 +42,7 @@ fn a_stiff_half_stretches_less_in_every_measure() {
 }
 
 #[test]
-fn starch_stiffens_the_surroundings_of_a_pin() {
+fn region_stiffness_acts_around_its_pin() {
     let settings = Settings::default();
     let region = |stiffness: f64| Region { radius: 0.35, rigidity: 0.0, stiffness };
     let near = |stiffness: f64| strain(&pulled(&settings, 1.0, Some(region(stiffness))), [0.8, 0.25]);

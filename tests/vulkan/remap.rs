@@ -133,7 +133,7 @@ fn a_wrong_filter_is_found() {
 }
 
 #[test]
-fn what_does_not_move_keeps_its_bits() {
+fn pixels_that_do_not_move_keep_their_bits() {
     let odd = [f32::NAN, -0.0, f32::INFINITY, 3e38, f32::from_bits(0x7fc1_2345), 1e-42, -5.0];
     let source: Vec<Vec<f32>> =
         (0..5).map(|p| (0..FRAME.window().area()).map(|k| odd[(k + p) % odd.len()]).collect()).collect();
@@ -204,7 +204,7 @@ fn tiles_change_no_bit() {
 }
 
 #[test]
-fn what_is_empty_or_wrong_is_told() {
+fn empty_and_invalid_inputs_are_reported() {
     with_device(|mut remap| {
         let window = FRAME.window();
         let empty = rect(0, 0, 0, 7);

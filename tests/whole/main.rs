@@ -73,7 +73,7 @@ fn one_pin_anywhere_moves_nothing_further_than_itself() {
 }
 
 #[test]
-fn what_tore_pictures_does_not() {
+fn problems_that_once_tore_pictures_no_longer_do() {
     let frame = FRAMES[0];
     let nine = (0..9).map(|k| ([800.0 + f64::from(k % 3) * 80.0, 400.0 + f64::from(k / 3) * 80.0], [0.0; 2]));
     let mut nine: Vec<_> = nine.collect();
@@ -145,7 +145,7 @@ fn the_border_gives_way_to_a_pin_that_is_dragged_past_it_and_says_so() {
 }
 
 #[test]
-fn pins_that_contradict_each_other_stop_and_are_told() {
+fn pins_that_contradict_each_other_stop_and_are_reported() {
     let frame = FRAMES[0];
     let case = Case {
         frame,

@@ -3,7 +3,7 @@
 
 use super::maps::{Maps, check_frames, write_frames};
 use super::source::{frames, is_on_screen, moved_layers};
-use super::stmap::told;
+use super::stmap::print_written;
 use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::cli::outputs;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// Maximum displacement of After Effects, in pixels.
-const MOST_PX: u32 = 32_000;
+const MAX_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
@@ -76,8 +76,8 @@ impl<'a> Displacement<'a> {
             farthest = farthest.max(greatest_offset(&maps.map(frame, silhouette.as_mut())?));
         }
         let reach_px = farthest.ceil().max(1.0) as u32;
-        if reach_px > MOST_PX {
-            bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MOST_PX})");
+        if reach_px > MAX_PX {
+            bail!("pixels come from up to {reach_px} pixels away, more than After Effects can displace ({MAX_PX})");
         }
         let pattern = with_ending(stem, &format!(".displacement_{reach_px}px.####.png"));
         let note = DisplacementNote {
@@ -106,7 +106,7 @@ impl<'a> Displacement<'a> {
             Ok(write_codes(path, maps.pixels(), &displacement(&map, reach), metadata)?)
         })?;
         replace_text(note_path, &note.text())?;
-        told(pattern, &written)?;
+        print_written(pattern, &written)?;
         let step = reach / 32767.0;
         writeln!(io::stdout(), "wrote {}: max displacement {reach} px, steps of {step:.5} px", note_path.display())?;
         Ok(())
@@ -173,8 +173,8 @@ fn still_scene(
     let mut packed = prepared.packed()?;
     prepared.hide_all_but(layer, &mut packed);
     // Only clip and camera are needed, as nothing is deformed. A looping clip is baked frame by frame.
-    let told = if prepared.shot.is_looped { frames.to_vec() } else { vec![prepared.shot.frames.clip_start] };
-    let baked = prepared.bake(&told, BakeTimes::Clip, |_| false, |_| {})?;
+    let baked_frames = if prepared.shot.is_looped { frames.to_vec() } else { vec![prepared.shot.frames.clip_start] };
+    let baked = prepared.bake(&baked_frames, BakeTimes::Clip, |_| false, |_| {})?;
     crate::image::replace_bytes(&scene, &glb(packed, &baked)?)?;
     let mut shot = Shot { source: ShotSource::Scene(scene), layers: Vec::new(), clip: None, ..prepared.shot.clone() };
     shot.is_looped = false;

@@ -22,7 +22,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     outputs::allow_text(&maps.inputs, (&output, &text), args.existing)?;
     let written = stmap::write(args, (&maps, prepared.as_deref()), &pattern)?;
     replace_text(&output, &text)?;
-    stmap::told(&pattern, &written)?;
+    stmap::print_written(&pattern, &written)?;
     for layer in maps.lattices.layers.iter().filter(|layer| !layer.branches.is_empty()) {
         let text = "branches: its grid holds the largest branch only, the STMap all of them";
         writeln!(io::stderr(), "note: layer '{}' {text}", layer.name)?;

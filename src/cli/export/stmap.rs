@@ -14,7 +14,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let pattern = args.output.clone().unwrap_or_else(|| args.shot.with_extension("stmap.####.exr"));
     let (maps, prepared) = Maps::open(args)?;
     let written = write(args, (&maps, prepared.as_deref()), &pattern)?;
-    told(&pattern, &written)?;
+    print_written(&pattern, &written)?;
     Ok(Outcome::Complete)
 }
 
@@ -36,7 +36,7 @@ pub(super) fn write(
     })
 }
 
-pub(super) fn told(pattern: &Path, Written { new, kept }: &Written) -> io::Result<()> {
+pub(super) fn print_written(pattern: &Path, Written { new, kept }: &Written) -> io::Result<()> {
     let kept = if *kept == 0 { String::new() } else { format!(", {kept} kept") };
     let new = pluralised(*new, "frame", "frames");
     writeln!(io::stdout(), "wrote {}: {new}{kept}", pattern.display())

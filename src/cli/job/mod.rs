@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Approximate number of tasks of a job with the default chunk size.
 const TARGET_TASKS: usize = 100;
 /// Smallest default chunk in frames, so that loading the scene is a small part of a task.
-const LEAST_CHUNK: usize = 5;
+const MIN_CHUNK: usize = 5;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct JobArgs {
@@ -144,7 +144,7 @@ impl Plan {
         frames.sort_unstable();
         SequencePath::parse(&frames_path)?.check_frame_count(frames.len())?;
         let chunk =
-            args.chunk.map_or_else(|| frames.len().div_ceil(TARGET_TASKS).max(LEAST_CHUNK), |chunk| chunk as usize);
+            args.chunk.map_or_else(|| frames.len().div_ceil(TARGET_TASKS).max(MIN_CHUNK), |chunk| chunk as usize);
         let name = name_of(&shot_path);
         let folder = frames_path.parent().unwrap_or(Path::new("/")).to_owned();
         let template_folder = std::path::absolute(output)?.parent().unwrap_or(Path::new("/")).to_owned();

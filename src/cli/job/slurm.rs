@@ -8,15 +8,15 @@ use crate::files::GENERATOR;
 use anyhow::bail;
 
 /// Maximum number of tasks of an array: Slurm's default limit is 1001 (`MaxArraySize`), and indices begin at 0.
-const MOST_TASKS: usize = 1000;
+const MAX_TASKS: usize = 1000;
 
 /// Returns the script.
 pub(super) fn script(plan: &Plan) -> anyhow::Result<String> {
     let tasks = plan.frames.len().div_ceil(plan.chunk);
-    if tasks > MOST_TASKS {
+    if tasks > MAX_TASKS {
         bail!(
-            "{tasks} tasks are more than an array of Slurm takes ({MOST_TASKS}); give --chunk {} or more",
-            plan.frames.len().div_ceil(MOST_TASKS)
+            "{tasks} tasks are more than an array of Slurm takes ({MAX_TASKS}); give --chunk {} or more",
+            plan.frames.len().div_ceil(MAX_TASKS)
         );
     }
     let chunks: Vec<String> =

@@ -24,7 +24,7 @@ impl Session {
         {
             return self.say(error.to_string());
         }
-        let (tell, told) = channel();
+        let (sender, receiver) = channel();
         let shot = self.document().path().to_owned();
         let work = move || {
             let program = std::env::current_exe();
@@ -38,20 +38,20 @@ impl Session {
                 }
                 Err(error) => format!("the program cannot be started again: {error}"),
             };
-            if tell.send(words).is_ok() {
+            if sender.send(words).is_ok() {
                 wake();
             }
         };
         self.say("Exporting \u{2026}");
         match std::thread::Builder::new().name("edit: export".into()).spawn(work) {
-            Ok(_) => self.export = Some(told),
+            Ok(_) => self.export = Some(receiver),
             Err(error) => self.say(format!("no thread can be started: {error}")),
         }
     }
 
     /// Collects the output of a finished export.
     pub(super) fn pump_export(&mut self) -> bool {
-        let Some(words) = self.export.as_ref().and_then(|told| told.try_recv().ok()) else { return false };
+        let Some(words) = self.export.as_ref().and_then(|receiver| receiver.try_recv().ok()) else { return false };
         self.export = None;
         self.say(words);
         true

@@ -14,7 +14,7 @@ use std::sync::mpsc::{Receiver, channel};
 /// A render that is running or has ended.
 #[derive(Debug)]
 pub struct RenderRun {
-    events: Receiver<Told>,
+    events: Receiver<RenderMessage>,
     cancel: Arc<AtomicBool>,
     /// Number of requested frames.
     pub frames: usize,
@@ -37,7 +37,8 @@ pub enum RunState {
     Ended(String),
 }
 
-enum Told {
+/// What the render's thread reports.
+enum RenderMessage {
     Event(Box<Event>),
     Failed(String),
 }
@@ -75,13 +76,13 @@ impl Session {
 
 impl RenderRun {
     fn start(shot: Shot, (frames, device): (Vec<i32>, DeviceChoice), wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let (tell, events) = channel();
+        let (sender, events) = channel();
         let cancel = Arc::new(AtomicBool::new(false));
         let (count, own_cancel) =
             (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
         let work = move || {
-            let told = |what: Told| {
-                if tell.send(what).is_ok() {
+            let send = |message: RenderMessage| {
+                if sender.send(message).is_ok() {
                     wake();
                 }
             };
@@ -93,10 +94,10 @@ impl RenderRun {
                 ..RenderOptions::default()
             };
             let outcome = PreparedShot::new(shot).and_then(|prepared| {
-                render(&prepared, &options, &own_cancel, &|event| told(Told::Event(Box::new(event))))
+                render(&prepared, &options, &own_cancel, &|event| send(RenderMessage::Event(Box::new(event))))
             });
             if let Err(error) = outcome {
-                told(Told::Failed(error.to_string()));
+                send(RenderMessage::Failed(error.to_string()));
             }
         };
         let mut log = Vec::new();
@@ -110,12 +111,12 @@ impl RenderRun {
 
     /// Processes the render's events. Returns whether anything changed.
     pub(super) fn pump(&mut self) -> bool {
-        let told: Vec<Told> = self.events.try_iter().collect();
-        let is_any = !told.is_empty();
-        for told in told {
-            match told {
-                Told::Event(event) => self.take(*event),
-                Told::Failed(text) => {
+        let messages: Vec<RenderMessage> = self.events.try_iter().collect();
+        let is_any = !messages.is_empty();
+        for message in messages {
+            match message {
+                RenderMessage::Event(event) => self.take(*event),
+                RenderMessage::Failed(text) => {
                     self.log.push(text);
                     self.state = RunState::Ended("Nothing was rendered.".into());
                 }

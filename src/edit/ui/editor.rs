@@ -101,11 +101,11 @@ impl Editor {
         if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
             self.unsaved = Some(Deferred::Open(path.to_owned()));
         } else if let Err(error) = self.open(ctx, path) {
-            self.tell(&error);
+            self.show_error(&error);
         }
     }
 
-    fn tell(&mut self, error: &EditError) {
+    fn show_error(&mut self, error: &EditError) {
         match &mut self.session {
             Some(session) => session.say(error.to_string()),
             None => self.fault = Some(error.to_string()),
@@ -209,7 +209,7 @@ impl Editor {
             }
         };
         if let Err(error) = done {
-            self.tell(&error);
+            self.show_error(&error);
         }
     }
 
@@ -273,7 +273,7 @@ impl Editor {
             (Purpose::Open, _) => self.try_open(ctx, path),
             (Purpose::SaveAs, Some(session)) => {
                 if let Err(error) = session.save_as(path) {
-                    self.tell(&error);
+                    self.show_error(&error);
                 }
             }
             (Purpose::Reference, Some(session)) => match Reference::open(path, session.playhead.frame()) {
@@ -317,7 +317,7 @@ impl Editor {
         match deferred {
             Deferred::Open(path) => {
                 if let Err(error) = self.open(ctx, &path) {
-                    self.tell(&error);
+                    self.show_error(&error);
                 }
             }
             Deferred::Quit => {

@@ -5,7 +5,7 @@
 use crate::space::FrameSize;
 
 /// Largest divisor of the frame's size.
-const MOST_PARTS: u32 = 4;
+const MAX_PARTS: u32 = 4;
 
 /// Fraction of a full-size picture's time that does not depend on its pixels.
 const FIXED: f64 = 0.25;
@@ -22,7 +22,7 @@ impl DraftSize {
     pub(super) fn within(self, frame: FrameSize, longest_ms: f64) -> FrameSize {
         let parts = match self.full_ms {
             None => 2,
-            Some(full) => (1..MOST_PARTS).find(|parts| full * share(*parts) <= longest_ms).unwrap_or(MOST_PARTS),
+            Some(full) => (1..MAX_PARTS).find(|parts| full * share(*parts) <= longest_ms).unwrap_or(MAX_PARTS),
         };
         let part = |side: u32| side.div_ceil(parts).max(1);
         FrameSize { width: part(frame.width), height: part(frame.height), ..frame }

@@ -1,11 +1,11 @@
 //! The worker thread's processing of jobs.
 //!
-//! In: an [`Inbox`]. Out: replies through a [`Teller`]. Long operations poll for a newer job.
+//! In: an [`Inbox`]. Out: replies through a [`ReplySender`]. Long operations poll for a newer job.
 
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
-use super::mail::{Inbox, Job, Loaded, Purpose, Question, Queue, Reply, SolvedFrame, Teller};
+use super::mail::{Inbox, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
     JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
@@ -67,27 +67,27 @@ impl FrameWorker {
     }
 
     /// Processes the inbox until the window closes.
-    pub(super) fn run(mut self, inbox: &Inbox, teller: &Teller) {
+    pub(super) fn run(mut self, inbox: &Inbox, sender: &ReplySender) {
         loop {
             match next(inbox, &mut self.open) {
                 Task::Over => return,
                 Task::Watch => {
                     let Changed { shot, scene } = self.watch.look();
-                    shot.then(|| teller.tell(Reply::ShotWritten));
-                    scene.then(|| teller.tell(Reply::SceneWritten));
+                    shot.then(|| sender.send(Reply::ShotWritten));
+                    scene.then(|| sender.send(Reply::SceneWritten));
                 }
-                Task::Answer(question) => teller.tell(self.answer(question)),
+                Task::Answer(question) => sender.send(self.answer(question)),
                 Task::Job(mut job, serial) => {
                     let is_stale = || inbox.newest.load(Ordering::Acquire) != serial;
-                    if let Err(error) = self.work(&mut job, &is_stale, teller)
+                    if let Err(error) = self.work(&mut job, &is_stale, sender)
                         && !is_stale()
                     {
-                        teller.tell(Reply::Failed(error.to_string()));
+                        sender.send(Reply::Failed(error.to_string()));
                     }
                     if is_stale() {
                         put_back(inbox, job);
                     } else {
-                        teller.tell(Reply::Idle);
+                        sender.send(Reply::Idle);
                     }
                 }
             }
@@ -98,25 +98,25 @@ impl FrameWorker {
         &mut self,
         job: &mut Job,
         is_stale: &(dyn Fn() -> bool + Sync),
-        teller: &Teller,
+        sender: &ReplySender,
     ) -> Result<(), PipelineError> {
-        self.load(job, teller)?;
+        self.load(job, sender)?;
         match job.purpose.clone() {
-            Purpose::Drag(layers) => return self.drag(job, &layers, teller),
-            Purpose::Play => self.play_frame(job.frame, job, teller)?,
+            Purpose::Drag(layers) => return self.drag(job, &layers, sender),
+            Purpose::Play => self.play_frame(job.frame, job, sender)?,
             Purpose::Look if job.is_shown => {}
-            Purpose::Look => job.is_shown = self.look(job, is_stale, teller)?,
+            Purpose::Look => job.is_shown = self.look(job, is_stale, sender)?,
         }
         // Each frame leaves the list before it is drawn, in case a question interrupts.
         while !is_stale() && !job.next.is_empty() {
             let next = job.next.remove(0);
-            self.play_frame(next, job, teller)?;
+            self.play_frame(next, job, sender)?;
         }
         Ok(())
     }
 
     /// Updates the loaded shot to the job's.
-    fn load(&mut self, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
+    fn load(&mut self, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
         let shot = wanted_shot(job);
         let rework = match &mut self.open {
             Some(open) => open.edit(shot)?,
@@ -141,7 +141,7 @@ impl FrameWorker {
             self.watch = FileWatch::of(open);
         }
         if rework >= Rework::Pins {
-            teller.tell(Reply::Loaded(Arc::new(self.facts(open))));
+            sender.send(Reply::Loaded(Arc::new(self.facts(open))));
         }
         Ok(())
     }
@@ -163,7 +163,7 @@ impl FrameWorker {
         &mut self,
         job: &Job,
         is_stale: &(dyn Fn() -> bool + Sync),
-        teller: &Teller,
+        sender: &ReplySender,
     ) -> Result<bool, PipelineError> {
         let Some(open) = &self.open else { return Ok(false) };
         self.drag = None;
@@ -172,55 +172,55 @@ impl FrameWorker {
         let sample =
             if was_settled { prepared.mid_exposure(job.frame)? } else { Arc::new(prepared.provisional(job.frame)?) };
         self.seen = Some(Arc::clone(&sample));
-        self.tell_solved(job, (&sample, was_settled), teller);
+        self.send_solved(job, (&sample, was_settled), sender);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((job.frame, job), (&sample, quality), LOOK_MS, teller)?;
+        self.draw((job.frame, job), (&sample, quality), LOOK_MS, sender)?;
         if is_stale() {
             return Ok(false);
         }
         let Some(open) = &self.open else { return Ok(false) };
         let prepared = open.prepared();
         if !was_settled {
-            if !prepared.solve_trajectories(is_stale, &|part| teller.tell(Reply::Progress(part)))? {
+            if !prepared.solve_trajectories(is_stale, &|part| sender.send(Reply::Progress(part)))? {
                 return Ok(false);
             }
-            teller.tell(Reply::Progress(1.0));
+            sender.send(Reply::Progress(1.0));
             let sample = prepared.mid_exposure(job.frame)?;
             self.seen = Some(Arc::clone(&sample));
-            self.tell_solved(job, (&sample, true), teller);
+            self.send_solved(job, (&sample, true), sender);
         }
         let Some(open) = &self.open else { return Ok(false) };
         let drawn = open.prepared().finished(self.device.as_deref_mut(), job.frame, is_stale)?;
         let Some(frame) = drawn else { return Ok(false) };
         if job.with_before {
-            self.tell_before(job, teller)?;
+            self.send_before(job, sender)?;
         }
-        teller.tell(Reply::Drawn(Arc::new(Picture::of(&frame, (job.frame, job.revision), Quality::Final))));
+        sender.send(Reply::Drawn(Arc::new(Picture::of(&frame, (job.frame, job.revision), Quality::Final))));
         Ok(true)
     }
 
-    fn tell_before(&mut self, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
+    fn send_before(&mut self, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let sample = prepared.unsolved_at(prepared.mid_exposure_time(f64::from(job.frame)))?;
         let drawn = prepared.draft(self.device.as_deref_mut(), &sample, prepared.shot.size)?;
         let picture = Picture::of(&drawn, (job.frame, job.revision), Quality::Draft);
-        teller.tell(Reply::Before(Arc::new(picture)));
+        sender.send(Reply::Before(Arc::new(picture)));
         Ok(())
     }
 
-    fn play_frame(&mut self, frame: i32, job: &Job, teller: &Teller) -> Result<(), PipelineError> {
+    fn play_frame(&mut self, frame: i32, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let is_settled = prepared.is_settled();
         let sample = if is_settled { prepared.mid_exposure(frame)? } else { Arc::new(prepared.provisional(frame)?) };
         let own = Job { frame, ..job.clone() };
-        self.tell_solved(&own, (&sample, is_settled), teller);
+        self.send_solved(&own, (&sample, is_settled), sender);
         let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((frame, job), (&sample, quality), PLAY_MS, teller)
+        self.draw((frame, job), (&sample, quality), PLAY_MS, sender)
     }
 
-    fn drag(&mut self, job: &Job, layers: &[usize], teller: &Teller) -> Result<(), PipelineError> {
+    fn drag(&mut self, job: &Job, layers: &[usize], sender: &ReplySender) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let begun = Instant::now();
@@ -235,22 +235,22 @@ impl FrameWorker {
         }
         let marks = [&layer_marks(prepared, drag.sample())[..], drag.resting()].concat();
         let solved = self.solved(job, (drag.sample(), false), marks);
-        teller.tell(Reply::Solved(Arc::new(solved)));
+        sender.send(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
-        let drawn = self.draw((job.frame, job), (drag.sample(), Quality::Provisional), left_ms, teller);
+        let drawn = self.draw((job.frame, job), (drag.sample(), Quality::Provisional), left_ms, sender);
         self.drag = Some(drag);
         drawn
     }
 
-    fn tell_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), teller: &Teller) {
+    fn send_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), sender: &ReplySender) {
         let Some(open) = &self.open else { return };
         let marks = [layer_marks(open.prepared(), sample), resting_marks(open.prepared(), sample)].concat();
         let mut solved = self.solved(job, (sample, is_final), marks);
         if let Some(open) = &self.open {
             self.jerk.watch(open.prepared(), sample, &mut solved.report);
         }
-        teller.tell(Reply::Solved(Arc::new(solved)));
+        sender.send(Reply::Solved(Arc::new(solved)));
     }
 
     fn solved(&self, job: &Job, (sample, is_final): (&TimeSample, bool), marks: Vec<LayerMarks>) -> SolvedFrame {
@@ -268,7 +268,7 @@ impl FrameWorker {
         (frame, job): (i32, &Job),
         (sample, quality): (&TimeSample, Quality),
         longest_ms: f64,
-        teller: &Teller,
+        sender: &ReplySender,
     ) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let full: FrameSize = open.prepared().shot.size;
@@ -279,7 +279,7 @@ impl FrameWorker {
         if self.device.is_some() {
             self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
         }
-        teller.tell(Reply::Drawn(Arc::new(picture)));
+        sender.send(Reply::Drawn(Arc::new(picture)));
         Ok(())
     }
 

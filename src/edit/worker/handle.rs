@@ -1,7 +1,7 @@
 //! The window's handle to the worker thread.
 
 use super::frame_worker::FrameWorker;
-use super::mail::{Inbox, Job, Question, Queue, Reply, Teller};
+use super::mail::{Inbox, Job, Question, Queue, Reply, ReplySender};
 use crate::raster::DeviceChoice;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
@@ -21,7 +21,7 @@ impl Worker {
     pub(in crate::edit) fn start(device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (inbox, (reply, replies)) = (Arc::new(Inbox::default()), channel());
         let own = Arc::clone(&inbox);
-        let work = move || FrameWorker::new(device).run(&own, &Teller { reply, wake: Box::new(wake) });
+        let work = move || FrameWorker::new(device).run(&own, &ReplySender { reply, wake: Box::new(wake) });
         let thread = std::thread::Builder::new().name("edit: frames".into()).spawn(work);
         if let Err(error) = &thread {
             tracing::error!("no thread can be started: {error}");

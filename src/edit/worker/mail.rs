@@ -123,13 +123,13 @@ pub(super) struct Queue {
 }
 
 /// The worker thread's end of the replies.
-pub(super) struct Teller {
+pub(super) struct ReplySender {
     pub(super) reply: Sender<Reply>,
     pub(super) wake: Box<dyn Fn() + Send + Sync>,
 }
 
-impl Teller {
-    pub(super) fn tell(&self, reply: Reply) {
+impl ReplySender {
+    pub(super) fn send(&self, reply: Reply) {
         if self.reply.send(reply).is_ok() {
             (self.wake)();
         }

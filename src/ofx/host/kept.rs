@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Maximum number of values.
-const MOST: usize = 1024;
+const MAX_VALUES: usize = 1024;
 
 /// Values by handle, oldest first.
 pub(in crate::ofx) struct Kept<T>(Mutex<VecDeque<(usize, T)>>);
@@ -26,7 +26,7 @@ impl<T> Kept<T> {
         let before = self.remove(handle);
         let mut values = self.locked();
         values.push_back((handle, value));
-        if values.len() > MOST {
+        if values.len() > MAX_VALUES {
             values.pop_front();
         }
         before
@@ -57,7 +57,7 @@ impl<T> Kept<T> {
         let mut value = place.and_then(|place| values.remove(place)).map(|(_, value)| value).unwrap_or_default();
         let result = change(&mut value);
         values.push_back((handle, value));
-        if values.len() > MOST {
+        if values.len() > MAX_VALUES {
             values.pop_front();
         }
         result
@@ -76,11 +76,14 @@ mod tests {
     #[test]
     fn the_oldest_goes_where_a_host_never_ends_anything() {
         let kept = Kept::new();
-        (0..2 * MOST).for_each(|handle| assert_eq!(kept.insert(handle, handle), None));
-        assert_eq!(kept.locked().len(), MOST);
-        assert_eq!([kept.get(MOST - 1), kept.get(MOST)], [None, Some(MOST)]);
-        assert_eq!([kept.insert(MOST, 7), kept.remove(MOST), kept.remove(MOST)], [Some(MOST), Some(7), None]);
+        (0..2 * MAX_VALUES).for_each(|handle| assert_eq!(kept.insert(handle, handle), None));
+        assert_eq!(kept.locked().len(), MAX_VALUES);
+        assert_eq!([kept.get(MAX_VALUES - 1), kept.get(MAX_VALUES)], [None, Some(MAX_VALUES)]);
+        assert_eq!(
+            [kept.insert(MAX_VALUES, 7), kept.remove(MAX_VALUES), kept.remove(MAX_VALUES)],
+            [Some(MAX_VALUES), Some(7), None]
+        );
         kept.retain(|value| value % 2 == 0);
-        assert_eq!([kept.get(MOST + 1), kept.get(MOST + 2)], [None, Some(MOST + 2)]);
+        assert_eq!([kept.get(MAX_VALUES + 1), kept.get(MAX_VALUES + 2)], [None, Some(MAX_VALUES + 2)]);
     }
 }

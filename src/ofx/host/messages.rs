@@ -11,7 +11,7 @@ use crate::ofx::api::{EffectHandle, Message};
 use std::ffi::CStr;
 
 /// Maximum number of distinct warnings remembered per effect.
-const MOST_WARNINGS: usize = 64;
+const MAX_WARNINGS: usize = 64;
 
 /// The messages of each effect, by its handle.
 static GIVEN: Kept<Given> = Kept::new();
@@ -71,7 +71,7 @@ impl Effect<'_> {
             if given.warned_of.contains(&warning.subject) {
                 return false;
             }
-            if given.warned_of.len() == MOST_WARNINGS {
+            if given.warned_of.len() == MAX_WARNINGS {
                 given.warned_of.remove(0);
             }
             given.warned_of.push(warning.subject.clone());

@@ -15,7 +15,7 @@ const APART_CELLS: f64 = 1.0;
 const STRETCH: f64 = 2.5;
 
 /// Relative displacement below which a pair is not reported, pixels.
-const LEAST_PX: f64 = 4.0;
+const MIN_PX: f64 = 4.0;
 
 /// Maximum number of handles along an axis.
 const MAX_SIDE: usize = 64;
@@ -72,7 +72,7 @@ fn pairs<'a>(
         let cells = (0..2).map(|axis| between[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max);
         let apart = difference(pins).length();
         let stretch = (pins[1].target - pins[0].target).0.length() / between.length().max(f64::MIN_POSITIVE);
-        let is_meant = cells > 0.0 && cells < APART_CELLS && stretch > STRETCH && apart * height_px > LEAST_PX;
+        let is_meant = cells > 0.0 && cells < APART_CELLS && stretch > STRETCH && apart * height_px > MIN_PX;
         (is_meant && !is_told(&indices)).then_some(Pair { pins, cells, stretch })
     })
 }

@@ -15,10 +15,10 @@ use crate::space::{ScreenBox, ScreenPoint};
 const MIN_SIDE: f64 = 0.01;
 
 /// Minimum side of a followed box in the scene, relative to its longest side: the cells of a flat model stay solvable.
-const LEAST_SIDE: f64 = 0.25;
+const MIN_SIDE_RATIO: f64 = 0.25;
 
 /// Minimum side of a box around a model without extent, metres.
-const LEAST_EXTENT: f64 = 1e-6;
+const MIN_EXTENT: f64 = 1e-6;
 
 /// Returns the rest box of a screen layer's lattice; `None` if nothing of the layer is in or near the frame.
 pub(in crate::pipeline) fn screen_box(
@@ -87,7 +87,7 @@ pub(in crate::pipeline) fn world_grid(
             let neighbours: Vec<_> = window.frames().map(at).collect();
             let [lo, hi] = window.smooth(&neighbours, world_bounds(prepared, index, pose))?;
             let longest = (0..3).map(|axis| hi[axis] - lo[axis]).fold(0.0, f64::max);
-            let least = (longest * LEAST_SIDE).max(LEAST_EXTENT);
+            let least = (longest * MIN_SIDE_RATIO).max(MIN_EXTENT);
             (box_frame(prepared, index, pose), thickened([lo, hi], least))
         }
     };

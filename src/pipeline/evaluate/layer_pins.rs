@@ -9,7 +9,7 @@ use crate::solve::{
 };
 
 /// Exponent of ten of the factor on a pin's weight when it has faded out.
-const LEAST_WEIGHT_EXPONENT: f64 = -8.0;
+const MIN_WEIGHT_EXPONENT: f64 = -8.0;
 
 /// Returns the region that moves with a pin; `diagonal`: that of the lattice's box.
 pub(in crate::pipeline) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
@@ -26,7 +26,7 @@ pub(in crate::pipeline) fn region(pin: &Pin, diagonal: f64) -> Option<Region> {
 
 /// Returns the weight of a fading pin, which falls exponentially until the pin follows the shape instead of holding it.
 pub(in crate::pipeline) fn faded_weight(presence: f64) -> f64 {
-    10.0_f64.powf(LEAST_WEIGHT_EXPONENT * (1.0 - presence))
+    10.0_f64.powf(MIN_WEIGHT_EXPONENT * (1.0 - presence))
 }
 
 /// Returns the handles of the layer's grid that are moved by keys, with their targets.

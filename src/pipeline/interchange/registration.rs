@@ -18,7 +18,7 @@ use std::path::Path;
 const PADDING: f64 = 0.1;
 
 /// Minimum side of a box, in frame heights.
-const LEAST_SIDE: f64 = 0.01;
+const MIN_SIDE: f64 = 0.01;
 
 /// A lattice that maps landmarks.
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ pub fn register(
 }
 
 fn padded(bounds: ScreenBox) -> ScreenBox {
-    let half = (bounds.size() * (0.5 + PADDING)).max(DVec2::splat(0.5 * LEAST_SIDE));
+    let half = (bounds.size() * (0.5 + PADDING)).max(DVec2::splat(0.5 * MIN_SIDE));
     let middle = bounds.center().0;
     ScreenBox::new(ScreenPoint(middle - half), ScreenPoint(middle + half))
 }

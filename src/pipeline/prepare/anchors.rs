@@ -15,7 +15,7 @@ use glam::DVec3;
 const FADE_STARTS_AT: f64 = 2.0;
 
 /// Maximum distance between a stored and a current rest position without a warning, as a fraction of the primitive's size.
-const MOVED_SHARE: f64 = 1e-3;
+const MOVED_FRACTION: f64 = 1e-3;
 
 /// The point to which a pin is attached, given by indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +127,7 @@ pub(in crate::pipeline) fn find(
     let place = |corner: usize| source.positions[corners[corner] as usize].as_dvec3() * barycentric[corner];
     let now = place(0) + place(1) + place(2);
     let size = source.positions.iter().map(|point| point.as_dvec3().length()).fold(0.0, f64::max);
-    let moved = rest.map(DVec3::from_array).filter(|&stored| stored.distance(now) > MOVED_SHARE * size);
+    let moved = rest.map(DVec3::from_array).filter(|&stored| stored.distance(now) > MOVED_FRACTION * size);
     let note = moved.map(|stored| {
         format!(
             "layer '{}', pin '{}': its triangle was at {stored} when it was placed and is at {now} now; was the scene \

@@ -27,7 +27,7 @@ const VIEWS: [(&str, f64, f64); 9] = [
 const VIEW_FOV_DEGREES: f64 = 30.0;
 
 /// Distance of the near plane, relative to the distance of the camera's subject.
-const NEAR_SHARE: f64 = 0.01;
+const NEAR_FRACTION: f64 = 0.01;
 
 /// Maximum distance of the near plane, relative to the radius of the scene.
 const NEAR_RADII: f64 = 0.01;
@@ -292,7 +292,7 @@ fn own_camera(camera: &OwnCamera, radius: f64, frame: f64) -> PlacedCamera {
         (from, _) => from,
     };
     let near = match lens {
-        CameraLens::Fov(_) => (distance * NEAR_SHARE).min(radius * NEAR_RADII).max(1e-6),
+        CameraLens::Fov(_) => (distance * NEAR_FRACTION).min(radius * NEAR_RADII).max(1e-6),
         CameraLens::Ortho(_) => 0.0,
     };
     PlacedCamera { placement, lens, near }

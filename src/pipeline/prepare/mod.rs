@@ -44,7 +44,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 const MANY_GLOBAL_HANDLES: usize = 24;
 
 /// Fraction of the mesh moved by a layer at a pin, below which the pin is reported.
-const FULL_SHARE: f64 = 0.99;
+const FULL_FRACTION: f64 = 0.99;
 
 impl PreparedShot {
     /// Loads the scene of a shot and prepares the shot.
@@ -174,7 +174,7 @@ fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -
     }
     let share = assignment.share(layer, *part);
     let moved: f64 = corners.iter().zip(barycentric).map(|(&corner, weight)| share.at(corner) * weight).sum();
-    (moved < FULL_SHARE).then(|| {
+    (moved < FULL_FRACTION).then(|| {
         let percent = (100.0 * moved).round();
         format!(
             "where the layer moves {percent} % of the mesh: the pin moves it only that far; pin it farther inside, or reduce \

@@ -12,8 +12,8 @@ use crate::solve::Shape;
 use crate::spelling;
 use std::collections::BTreeMap;
 
-/// Minimum share in the stiffness of triangles that a layer moves only slightly, so that they still constrain its lattice.
-const LEAST_SHARE: f64 = 1e-3;
+/// Minimum fraction in the stiffness of triangles that a layer moves only slightly, so that they still constrain its lattice.
+const MIN_FRACTION: f64 = 1e-3;
 
 /// Stiffness of a part's triangles in a layer: the value from the rules, times the share of each triangle that the layer moves.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ impl PartStiffness<'_> {
         shape: &mut Shape<D>,
     ) {
         if self.is_uneven {
-            let value = self.painted.get(triangle).copied().unwrap_or(1.0) * self.share.of(corners).max(LEAST_SHARE);
+            let value = self.painted.get(triangle).copied().unwrap_or(1.0) * self.share.of(corners).max(MIN_FRACTION);
             shape.stiffness.resize(shape.triangles.len(), value);
         }
     }

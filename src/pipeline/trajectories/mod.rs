@@ -27,7 +27,7 @@ use world_timeline::WorldTimeline;
 const KNOTS_PER_FRAME: u32 = 1;
 
 /// Speed that never counts as a jump, even if pins and model are at rest: one pixel per frame at 1080 lines, in frame heights.
-const LEAST_SPEED: f64 = 1.0 / 1080.0;
+const MIN_SPEED: f64 = 1.0 / 1080.0;
 
 impl PreparedShot {
     /// Returns the same shot with trajectories stored in files beside the frames of `outputs` (path patterns). They are
@@ -107,7 +107,7 @@ pub(in crate::pipeline) fn trajectory(
         let points = watched_points(prepared, index, first);
         let timeline = LayerTimeline { prepared, index, points: &points, watcher };
         let found = read_or_solve(prepared, index, || {
-            solve_on_own_pool(&timeline, coupling(prepared, index, LEAST_SPEED), watcher)
+            solve_on_own_pool(&timeline, coupling(prepared, index, MIN_SPEED), watcher)
         });
         outcome(found, points)
     });
@@ -127,7 +127,7 @@ pub(in crate::pipeline) fn world_trajectory(
     let made = prepared.cache.world_trajectories.of(index, || {
         let points = watched_points(prepared, index, first);
         let timeline = WorldTimeline { prepared, index, points: &points, watcher };
-        let least_speed = LEAST_SPEED * timeline.size(first);
+        let least_speed = MIN_SPEED * timeline.size(first);
         let found = read_or_solve(prepared, index, || {
             solve_on_own_pool(&timeline, coupling(prepared, index, least_speed), watcher)
         });

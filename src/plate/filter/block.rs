@@ -75,8 +75,8 @@ impl WithSimd for FillBlock<'_> {
 impl Block {
     /// Replaces samples that are not finite.
     fn contain(&mut self) {
-        let lacks = self.texels.iter().flatten().any(|sample| sample.is_nan());
-        if lacks {
+        let found_nan = self.texels.iter().flatten().any(|sample| sample.is_nan());
+        if found_nan {
             self.presence.extend(self.texels.iter().map(|texel| texel.map(|x| f32::from(u8::from(!x.is_nan())))));
         }
         for sample in self.texels.iter_mut().flatten() {

@@ -13,7 +13,7 @@ use crate::plate::WarpMap;
 /// Greatest minification that is fully filtered; the footprint is at most 4 times (on diagonals 4.9 times) as many samples wide.
 const SHRINK_LIMIT: f32 = 16.0;
 /// Minification up to this factor is ignored, so that rounding of maps does not widen the filter.
-const SLACK: f32 = 1.02;
+const MIN_MINIFICATION: f32 = 1.02;
 
 /// The linear map from source distances to filter distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl Footprint {
             return Self::UNIT;
         }
         let Ellipse { mean, half, b, radius } = ellipse;
-        let (long, short) = (held(longest), held(mean - radius));
+        let (long, short) = (clamped_scale(longest), clamped_scale(mean - radius));
         // The unit matrix and the traceless part of J Jᵀ, scaled to eigenvalues ±1, span all functions of J Jᵀ.
         let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
         let (along, aside) = (half * scale, b * scale);
@@ -118,13 +118,13 @@ fn jacobian(across: [f32; 2], down: [f32; 2]) -> [f32; 4] {
 /// Whether the larger eigenvalue of J Jᵀ widens the footprint.
 #[inline(always)]
 fn shrinks(longest: f32) -> bool {
-    longest > SLACK * SLACK && longest < f32::INFINITY
+    longest > MIN_MINIFICATION * MIN_MINIFICATION && longest < f32::INFINITY
 }
 
 /// Returns a clamped half axis of the footprint from an eigenvalue of J Jᵀ.
 #[inline(always)]
-fn held(squared: f32) -> f32 {
-    (squared.max(0.0).sqrt() / SLACK).clamp(1.0, SHRINK_LIMIT)
+fn clamped_scale(squared: f32) -> f32 {
+    (squared.max(0.0).sqrt() / MIN_MINIFICATION).clamp(1.0, SHRINK_LIMIT)
 }
 
 /// Returns the change of the offset per pixel along an axis: the smaller of the differences on both sides, since the

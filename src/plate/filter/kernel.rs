@@ -102,7 +102,7 @@ fn separable<const PAIRS: usize, S: Simd>(
 /// `texels` are whole blocks, `base` is the index in them of the sample before the pixel's position, and `fraction` is
 /// the distance of the position from that sample.
 #[inline(always)]
-fn widened<const N: usize, S: Simd>(
+fn cubic_footprint<const N: usize, S: Simd>(
     simd: S,
     (texels, stride): ([&[Texel]; N], usize),
     base: [usize; 2],
@@ -283,7 +283,7 @@ impl<const N: usize> Accumulate<'_, N> {
             }
             let base = [(position.sample[0] - low[0]) as i32 as usize, (position.sample[1] - low[1]) as i32 as usize];
             if !footprint.is_unit() {
-                *sums = widened(simd, (self.texels, stride), base, position.fraction, footprint);
+                *sums = cubic_footprint(simd, (self.texels, stride), base, position.fraction, footprint);
                 continue;
             }
             let across = Cubic.weights(simd, position.fraction[0]);

@@ -35,7 +35,7 @@ fn one(map: &WarpMap, window: PixelRect, plane: &[f32], filter: Filter) -> Vec<f
 }
 
 #[test]
-fn what_does_not_move_keeps_its_bits() {
+fn pixels_that_do_not_move_keep_their_bits() {
     let odd = [f32::NAN, -0.0, f32::INFINITY, 3e38, f32::from_bits(0x7fc1_2345), 1e-42, -5.0];
     let source = plane(WINDOW, |k| odd[k % odd.len()]);
     let mut moved = map(|_, _| [0.0; 2]);

@@ -27,7 +27,7 @@ const GROUP: usize = 4;
 /// Groups that share the weights of a pixel, limited by the registers for their sums.
 const GROUPS: usize = 2;
 /// A sum that lacks more than three quarters of its weights is treated as missing.
-const LEAST_PRESENCE: f32 = 0.25;
+const MIN_PRESENCE: f32 = 0.25;
 /// A sum that lacks less than this is complete, so that rounding does not reveal a NaN elsewhere in the tile.
 const ROUNDING: f32 = 1e-5;
 
@@ -240,7 +240,7 @@ fn renormalize(sum: &mut Texel, present: &Texel) {
         let is_whole = (1.0 - present).abs() < ROUNDING;
         *sum = match *present {
             _ if is_whole => *sum,
-            present if present >= LEAST_PRESENCE => *sum / present,
+            present if present >= MIN_PRESENCE => *sum / present,
             _ => 0.0,
         };
     }

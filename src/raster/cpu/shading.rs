@@ -18,8 +18,8 @@ const LIGHT_SPOT: u32 = 2;
 /// Reflectance of a dielectric (index of refraction 1.5) at normal incidence.
 const DIELECTRIC_F0: f32 = 0.04;
 
-/// Cosine-weighted mean of `matte_share`: (1 − f0)·(1 − 1/21), since the mean of (1 − c)⁵ is 1/21.
-const MEAN_MATTE_SHARE: f32 = 0.914_285_7;
+/// Cosine-weighted mean of `matte_fraction`: (1 − f0)·(1 − 1/21), since the mean of (1 − c)⁵ is 1/21.
+const MEAN_MATTE_FRACTION: f32 = 0.914_285_7;
 
 /// Minimum roughness: below it, highlights of punctual lights are too bright for half floats.
 const MIN_ROUGHNESS: f32 = 0.045;
@@ -168,7 +168,7 @@ fn view_cosine(surface: &Surface) -> f32 {
 }
 
 /// Returns the fraction of light transmitted by a dielectric's surface at a cosine.
-fn matte_share(cosine: f32) -> f32 {
+fn matte_fraction(cosine: f32) -> f32 {
     let m = 1.0 - cosine;
     let m2 = m * m;
     (1.0 - DIELECTRIC_F0) * (1.0 - m2 * m2 * m)
@@ -187,7 +187,8 @@ fn reflect_light(surface: &Surface, to_light: Vec3) -> Vec3 {
     let roughness = surface.roughness.max(MIN_ROUGHNESS);
     let alpha = roughness * roughness;
     let fresnel = fresnel_schlick(normal_reflectance(surface), v_h);
-    let matte = diffuse_albedo(surface) * (matte_share(n_l) * matte_share(n_v) * (1.0 / (PI * MEAN_MATTE_SHARE)));
+    let matte =
+        diffuse_albedo(surface) * (matte_fraction(n_l) * matte_fraction(n_v) * (1.0 / (PI * MEAN_MATTE_FRACTION)));
     let gloss = fresnel * (distribution_ggx(n_h, alpha) * visibility_smith(n_l, n_v, alpha));
     (matte + gloss) * n_l
 }

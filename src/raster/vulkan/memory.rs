@@ -16,7 +16,7 @@ use std::sync::Arc;
 const DEDICATED_BYTES: u64 = 16 << 20;
 
 /// Alignment that allows reading mapped memory as vectors of four floats.
-const LEAST_ALIGNMENT: u64 = 16;
+const MIN_ALIGNMENT: u64 = 16;
 
 /// An allocation that is freed when dropped.
 struct Memory {
@@ -73,7 +73,7 @@ impl Buffer {
         })?;
         // SAFETY: the buffer is of this device.
         let mut requirements = unsafe { device.raw().get_buffer_memory_requirements(handle.get()) };
-        requirements.alignment = requirements.alignment.max(LEAST_ALIGNMENT);
+        requirements.alignment = requirements.alignment.max(MIN_ALIGNMENT);
         let memory = Memory::new(
             device,
             AllocationCreateDesc {

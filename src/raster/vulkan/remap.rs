@@ -33,7 +33,7 @@ const GROUP_SIDE: u32 = 8;
 struct Push {
     area: [u32; 2],
     first: [i32; 2],
-    net: [i32; 2],
+    offset_count: [i32; 2],
     start: [i32; 2],
     count: [i32; 2],
     low: [i32; 2],
@@ -80,7 +80,7 @@ pub struct VulkanRemap {
     layout: PipelineLayout,
     device: Arc<Device>,
     /// Maximum bytes of a buffer.
-    most_bytes: u64,
+    max_bytes: u64,
 }
 
 /// The planes of a dispatch, and their position.
@@ -127,7 +127,7 @@ impl VulkanRemap {
             set,
             descriptors,
             layout,
-            most_bytes: device.facts().max_buffer_bytes,
+            max_bytes: device.facts().max_buffer_bytes,
             device,
         };
         let table: &[u8] = bytemuck::cast_slice(lanczos_table());
@@ -143,7 +143,7 @@ impl VulkanRemap {
 
     /// Limits the size of buffers in bytes; more and smaller tiles then give the same picture.
     pub fn limit_buffers(&mut self, bytes: u64) {
-        self.most_bytes = self.device.facts().max_buffer_bytes.min(bytes);
+        self.max_bytes = self.device.facts().max_buffer_bytes.min(bytes);
     }
 
     /// Resamples the planes through the map, as [`resampled`](crate::plate::resampled) does: one output per input
@@ -176,7 +176,7 @@ impl VulkanRemap {
         let extents = Extent::of_window(source.window, map.frame.window());
         let start = [map.window.x - source.window.x, map.window.y - source.window.y];
         let texel_bytes = (size_of::<f32>() * source.planes.len().clamp(2, GROUP)) as u64;
-        let most = usize::try_from(self.most_bytes / texel_bytes).unwrap_or(usize::MAX);
+        let most = usize::try_from(self.max_bytes / texel_bytes).unwrap_or(usize::MAX);
         let tiles = Cut { map, extents, start, filter, most }.tiles();
         let mut uploaded = None;
         for (planes, results) in source.planes.chunks(GROUP).zip(results.chunks_mut(GROUP)) {
@@ -186,12 +186,12 @@ impl VulkanRemap {
                 if held.replace(tile.part) != Some(tile.part) {
                     self.upload_source(&group, tile.part)?;
                 }
-                let net = match uploaded {
-                    Some((area, net)) if area == tile.area => net,
+                let offset_rect = match uploaded {
+                    Some((area, offset_rect)) if area == tile.area => offset_rect,
                     _ => self.upload_offsets(map, tile.area)?,
                 };
-                uploaded = Some((tile.area, net));
-                self.run(&group, (tile, net), filter, results)?;
+                uploaded = Some((tile.area, offset_rect));
+                self.run(&group, (tile, offset_rect), filter, results)?;
             }
         }
         Ok(())
@@ -235,24 +235,24 @@ impl VulkanRemap {
         };
         let (x, width) = axis(area.x, area.width, map.window.width);
         let (y, height) = axis(area.y, area.height, map.window.height);
-        let net = PixelRect { x, y, width, height };
-        let bytes = self.bind(Role::Offsets, net.area() * size_of::<[f32; 2]>())?;
-        let from = (&map.offsets[..], map.window.width, net);
-        copy_rows(from, (bytemuck::cast_slice_mut(bytes), width, PixelRect { x: 0, y: 0, ..net }));
-        Ok(net)
+        let offset_rect = PixelRect { x, y, width, height };
+        let bytes = self.bind(Role::Offsets, offset_rect.area() * size_of::<[f32; 2]>())?;
+        let from = (&map.offsets[..], map.window.width, offset_rect);
+        copy_rows(from, (bytemuck::cast_slice_mut(bytes), width, PixelRect { x: 0, y: 0, ..offset_rect }));
+        Ok(offset_rect)
     }
 
-    /// Resamples a tile, whose source and offsets (of the rectangle `net`) are uploaded, into its planes.
+    /// Resamples a tile, whose source and offsets (of the rectangle `offset_rect`) are uploaded, into its planes.
     fn run(
         &mut self,
         group: &Group,
-        (tile, net): (&Tile, PixelRect),
+        (tile, offset_rect): (&Tile, PixelRect),
         filter: Filter,
         results: &mut [Vec<f32>],
     ) -> Result<(), RasterError> {
         let area = tile.area;
         self.bind(Role::Result, area.area() * size_of::<f32>() * results.len())?;
-        self.dispatch(&group.push(tile, net), filter)?;
+        self.dispatch(&group.push(tile, offset_rect), filter)?;
         let result = self.buffers[Role::Result as usize].as_ref().map_or(&[][..], Buffer::bytes);
         let result: &[f32] = bytemuck::cast_slice(&result[..area.area() * size_of::<f32>() * results.len()]);
         for (from, to) in result.chunks_exact(area.area()).zip(results) {
@@ -294,13 +294,13 @@ impl Resampler for VulkanRemap {
 }
 
 impl Group<'_> {
-    fn push(&self, tile: &Tile, net: PixelRect) -> Push {
+    fn push(&self, tile: &Tile, offset_rect: PixelRect) -> Push {
         let Tile { area, part } = *tile;
         let goes_on = |side: usize| self.extents.map(|extent| u32::from(extent.goes_on[side]));
         Push {
             area: [area.width, area.height],
-            first: [area.x - net.x, area.y - net.y],
-            net: [net.width as i32, net.height as i32],
+            first: [area.x - offset_rect.x, area.y - offset_rect.y],
+            offset_count: [offset_rect.width as i32, offset_rect.height as i32],
             start: [self.start[0] + area.x, self.start[1] + area.y],
             count: self.extents.map(|extent| extent.count),
             low: [part.x, part.y],

@@ -5,7 +5,7 @@
 use crate::space::PixelRect;
 
 /// Pictures with longer sides are outlined by blocks of pixels.
-const MOST_CELLS: u32 = 1024;
+const MAX_CELLS: u32 = 1024;
 
 /// Threshold of coverage below which nothing is outlined, unless all of the picture is below it.
 const EDGE: f32 = 0.1;
@@ -27,7 +27,7 @@ impl Coverage {
     /// Computes the coverage of the pixels of a window.
     pub(super) fn of(window: PixelRect, alpha: &[f32]) -> Self {
         debug_assert_eq!(alpha.len(), window.area(), "one value a pixel");
-        let block = window.width.max(window.height).div_ceil(MOST_CELLS).max(1);
+        let block = window.width.max(window.height).div_ceil(MAX_CELLS).max(1);
         let [width, height] = [window.width, window.height].map(|side| side.div_ceil(block) as usize + 2);
         let mut values = vec![0.0_f32; width * height];
         for (y, row) in alpha.chunks_exact(window.width.max(1) as usize).enumerate() {

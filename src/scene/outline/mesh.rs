@@ -9,7 +9,7 @@ use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementPara
 use std::collections::BTreeMap;
 
 /// Minimum angle in degrees, except where the outline itself has smaller ones.
-const LEAST_ANGLE: f64 = 20.0;
+const MIN_ANGLE: f64 = 20.0;
 
 /// Inner points keep this fraction of an edge length away from the outline.
 const CLEARANCE: f64 = 0.6;
@@ -49,7 +49,7 @@ pub(super) fn triangulate(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Option<Tr
     }
     let parameters = RefinementParameters::new()
         .exclude_outer_faces(true)
-        .with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE))
+        .with_angle_limit(AngleLimit::from_deg(MIN_ANGLE))
         .with_max_allowed_area(LARGEST * spacing * spacing)
         .with_max_additional_vertices(ADDED * count);
     let outside = net.refine(parameters).excluded_faces.into_iter().collect::<std::collections::HashSet<_>>();
@@ -117,13 +117,13 @@ fn packed(points: &[[f64; 2]], triangles: Vec<[usize; 3]>) -> Triangulated {
     used.dedup();
     let places: BTreeMap<usize, u32> = used.iter().zip(0..).map(|(&vertex, place)| (vertex, place)).collect();
     let mut corners: Vec<[u32; 3]> =
-        triangles.into_iter().map(|corners| least_first(corners.map(|c| places[&c]))).collect();
+        triangles.into_iter().map(|corners| min_first(corners.map(|c| places[&c]))).collect();
     corners.sort_unstable();
     Triangulated { points: used.into_iter().map(|vertex| points[vertex]).collect(), triangles: corners }
 }
 
 /// Rotates the corners so that the smallest comes first.
-fn least_first(mut corners: [u32; 3]) -> [u32; 3] {
+fn min_first(mut corners: [u32; 3]) -> [u32; 3] {
     let least = corners.iter().zip(0..).min().map_or(0, |(_, place)| place);
     corners.rotate_left(least);
     corners

@@ -17,7 +17,7 @@ use coverage::Coverage;
 const WANTED_VERTICES: f64 = 400.0;
 
 /// A mesh with more vertices is rebuilt with longer edges.
-const MOST_VERTICES: usize = 700;
+const MAX_VERTICES: usize = 700;
 
 /// Maximum number of rebuilds; intricate outlines may stay finer.
 const TRIES: usize = 8;
@@ -26,14 +26,14 @@ const TRIES: usize = 8;
 const GROWTH: f64 = 1.2;
 
 /// Minimum edge length in cells of the coverage.
-const LEAST_SPACING: f64 = 1.0;
+const MIN_SPACING: f64 = 1.0;
 
 /// Tolerance of an outline's simplification as a fraction of the edge length, and in cells: the staircase of pixels is
 /// not shape.
 const TOLERANCE: [f64; 2] = [0.04, 0.4];
 
 /// Smaller holes, in squared edge lengths, are closed, and smaller islands dropped if there are larger ones.
-const LEAST_AREA: f64 = 0.1;
+const MIN_AREA: f64 = 0.1;
 
 /// How a picture fills its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,10 +63,10 @@ pub(super) fn triangulated(window: PixelRect, alpha: &[f32]) -> Triangulated {
     let loops = contour::loops(&coverage);
     let area = loops.iter().map(|points| contour::area(points)).sum::<f64>().abs();
     let length: f64 = loops.iter().map(|points| contour::length(points)).sum();
-    let mut spacing = spacing(area, length).max(LEAST_SPACING);
+    let mut spacing = spacing(area, length).max(MIN_SPACING);
     let mut made = meshed(&loops, spacing);
     for _ in 0..TRIES {
-        if made.points.len() <= MOST_VERTICES {
+        if made.points.len() <= MAX_VERTICES {
             break;
         }
         spacing *= GROWTH;
@@ -85,7 +85,7 @@ fn spacing(area: f64, length: f64) -> f64 {
 
 /// Builds the mesh at an edge length.
 fn meshed(loops: &[Vec<[f64; 2]>], spacing: f64) -> Triangulated {
-    let least = LEAST_AREA * spacing * spacing;
+    let least = MIN_AREA * spacing * spacing;
     let largest = loops.iter().map(|points| contour::area(points)).fold(0.0, f64::max);
     let is_kept = |points: &&Vec<[f64; 2]>| {
         let area = contour::area(points);

@@ -8,7 +8,7 @@
 use crate::solve::linalg::small_matrix::{SquareMatrix, symmetric_eigen};
 
 /// Lower bound of singular values, which are divided by.
-const LEAST: f64 = 1e-9;
+const MIN_STRETCH: f64 = 1e-9;
 
 /// An eigenvalue and its eigenmatrix Q: the second derivative along dJ is Σ value ⟨Q, dJ⟩².
 pub(super) type EigenPair<const D: usize> = (f64, SquareMatrix<D>);
@@ -38,7 +38,7 @@ pub(super) fn eigen_pairs<const D: usize>(
     let gram: SquareMatrix<D> =
         std::array::from_fn(|a| std::array::from_fn(|b| (0..D).map(|row| j[row][a] * j[row][b]).sum()));
     let (squares, right) = symmetric_eigen(&gram);
-    let stretches = squares.map(|square| square.max(LEAST * LEAST).sqrt());
+    let stretches = squares.map(|square| square.max(MIN_STRETCH * MIN_STRETCH).sqrt());
     let left: SquareMatrix<D> = std::array::from_fn(|row| {
         std::array::from_fn(|k| (0..D).map(|axis| j[row][axis] * right[axis][k]).sum::<f64>() / stretches[k])
     });

@@ -84,14 +84,14 @@ impl<const D: usize> Minimization<'_, D> {
         let mut reactions = Reactions::new(self);
         // The force limits of the pins rise with the remaining determinant, so that pins do not give way suddenly where the
         // barrier begins to act.
-        let t = (barrier.least_det(&free.handles) / ACTIVATION_DET).clamp(0.0, 1.0);
+        let t = (barrier.min_det(&free.handles) / ACTIVATION_DET).clamp(0.0, 1.0);
         reactions.initialise_multipliers(&self.unconstrained_step(&free.handles)?, t * t * (3.0 - 2.0 * t));
         let mut result = free;
         let mut finer = BTreeMap::new();
         for round in 0..=REFINEMENTS {
             let refined = (!finer.is_empty()).then(|| barrier.refined(&finer));
             let points = refined.as_ref().unwrap_or_else(|| barrier.points());
-            let first = match before.filter(|before| round == 0 && points.least_det(before) >= LAST) {
+            let first = match before.filter(|before| round == 0 && points.min_det(before) >= LAST) {
                 Some(before) => before.to_vec(),
                 None => {
                     let share = points.max_step(&self.start, &result.handles, FIRST);

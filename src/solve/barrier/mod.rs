@@ -43,13 +43,13 @@ impl<const D: usize> Barrier<D> {
 
     /// Whether det J ≥ 0.2 at every point, so that the barrier and its derivatives vanish.
     pub(crate) fn is_clear(&self, handles: &[[f64; D]]) -> bool {
-        let least = self.rough.least_det(handles);
-        least >= SURELY_CLEAR || least >= ACTIVATION_DET && self.points().least_det(handles) >= ACTIVATION_DET
+        let least = self.rough.min_det(handles);
+        least >= SURELY_CLEAR || least >= ACTIVATION_DET && self.points().min_det(handles) >= ACTIVATION_DET
     }
 
     /// Smallest det J at the coarse points.
-    fn least_det(&self, handles: &[[f64; D]]) -> f64 {
-        self.rough.least_det(handles)
+    fn min_det(&self, handles: &[[f64; D]]) -> f64 {
+        self.rough.min_det(handles)
     }
 
     /// Fine points; built at the first call.

@@ -88,7 +88,7 @@ impl<const D: usize> BarrierPoints<D> {
     }
 
     /// Smallest det J at all points; −∞ where one is NaN.
-    pub(super) fn least_det(&self, handles: &[[f64; D]]) -> f64 {
+    pub(super) fn min_det(&self, handles: &[[f64; D]]) -> f64 {
         let gradients = self.gradients_at(handles);
         let mut least = f64::INFINITY;
         self.for_each_point(|[_, packet, lane]| {

@@ -1,6 +1,6 @@
 //! Adjacency of the triangles of a shape, with the positions of the links between them.
 //!
-//! In: a shape. Out: its seams, sorted by their first triangle.
+//! In: a shape. Out: its links, sorted by their first triangle.
 
 use super::link::LinkKind;
 use super::rest_links::surface_links;
@@ -9,7 +9,7 @@ use std::borrow::Cow;
 
 /// A link between two triangles, with its position.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seam<const D: usize> {
+pub(super) struct PlacedLink<const D: usize> {
     /// The indices of the two triangles, the smaller one first.
     pub(super) triangles: [usize; 2],
     /// Positions of the ends of the link.
@@ -17,35 +17,35 @@ pub(super) struct Seam<const D: usize> {
     pub(super) kind: LinkKind,
 }
 
-/// All seams of a shape, sorted by their first triangle.
+/// All links of a shape, sorted by their first triangle.
 #[derive(Clone, Debug)]
 pub(super) struct Adjacency<const D: usize> {
-    seams: Vec<Seam<D>>,
-    /// End of each triangle's range in `seams`, #triangles.
+    links: Vec<PlacedLink<D>>,
+    /// End of each triangle's range in `links`, #triangles.
     ends: Vec<usize>,
 }
 
 impl<const D: usize> Adjacency<D> {
-    /// The seams of the shape's links; if it has none, those of its surface in its present position.
+    /// The links of the shape; if it names none, those of its surface in its present position.
     pub(super) fn of(shape: &Shape<D>) -> Self {
         let links = match &shape.links {
             Some(links) => Cow::Borrowed(links.as_slice()),
             None => Cow::Owned(surface_links(&shape.points, &shape.triangles, f64::INFINITY)),
         };
-        let seam = |link: &super::Link| {
+        let placed = |link: &super::Link| {
             let [a, b] = link.ends.map(|end| end.triangle as usize);
             let ends = link.ends.map(|end| end.point(&shape.points, &shape.triangles));
-            Seam { triangles: [a.min(b), a.max(b)], ends, kind: link.kind }
+            PlacedLink { triangles: [a.min(b), a.max(b)], ends, kind: link.kind }
         };
-        let mut seams: Vec<Seam<D>> = links.iter().map(seam).collect();
-        seams.sort_by_key(|seam| seam.triangles);
-        let ends = (0..shape.triangles.len()).map(|number| seams.partition_point(|seam| seam.triangles[0] <= number));
-        Self { ends: ends.collect(), seams }
+        let mut links: Vec<PlacedLink<D>> = links.iter().map(placed).collect();
+        links.sort_by_key(|link| link.triangles);
+        let ends = (0..shape.triangles.len()).map(|number| links.partition_point(|link| link.triangles[0] <= number));
+        Self { ends: ends.collect(), links }
     }
 
-    /// The seams between a triangle and those with a larger index.
-    pub(super) fn from(&self, triangle: usize) -> &[Seam<D>] {
+    /// The links between a triangle and those with a larger index.
+    pub(super) fn from(&self, triangle: usize) -> &[PlacedLink<D>] {
         let start = if triangle == 0 { 0 } else { self.ends[triangle - 1] };
-        &self.seams[start..self.ends[triangle]]
+        &self.links[start..self.ends[triangle]]
     }
 }

@@ -9,7 +9,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Adjacent pieces are connected if the copies that they share count as one to at least this degree.
-const TOGETHER: f64 = 0.5;
+const MIN_CONNECTEDNESS: f64 = 0.5;
 
 impl<const D: usize> BranchedLattice<D> {
     /// The index of the point that is nearest to each piece along the shape at rest, in the order of [`Self::pieces`]. A piece
@@ -34,9 +34,9 @@ impl<const D: usize> BranchedLattice<D> {
         let mut waiting = BinaryHeap::new();
         // The bit patterns of non-negative numbers have the order of the numbers.
         let entry = |length: f64, point: usize, piece: usize| Reverse((length.to_bits(), point, piece));
-        let held: Vec<([f64; D], usize)> =
-            points.iter().map(|&(at, triangle)| branching.held_point(at, triangle)).collect();
-        for (point, (at, piece)) in held.iter().enumerate() {
+        let snapped: Vec<([f64; D], usize)> =
+            points.iter().map(|&(at, triangle)| branching.snapped_point(at, triangle)).collect();
+        for (point, (at, piece)) in snapped.iter().enumerate() {
             waiting.push(entry(distance(at, &middles[*piece]), point, *piece));
         }
         while let Some(Reverse((length, point, piece))) = waiting.pop() {
@@ -45,14 +45,14 @@ impl<const D: usize> BranchedLattice<D> {
                 continue;
             }
             nearest[piece] = (length, point);
-            for (next, copies) in &branching.pieces.beside[piece] {
-                if nearest[*next].1 == usize::MAX && branching.oneness(copies) >= TOGETHER {
+            for (next, copies) in &branching.pieces.adjacent_pieces[piece] {
+                if nearest[*next].1 == usize::MAX && branching.coupling_degree(copies) >= MIN_CONNECTEDNESS {
                     waiting.push(entry(length + distance(&middles[piece], &middles[*next]), point, *next));
                 }
             }
         }
         let in_space = |middle: &[f64; D]| {
-            let gaps = held.iter().enumerate().map(|(point, (at, _))| (distance(at, middle), point));
+            let gaps = snapped.iter().enumerate().map(|(point, (at, _))| (distance(at, middle), point));
             gaps.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, point)| point)
         };
         let of_piece = |&piece: &usize| match nearest[piece] {

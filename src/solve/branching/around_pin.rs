@@ -26,7 +26,7 @@ pub(super) struct AroundPin<'a, const D: usize> {
 
 impl<'a, const D: usize> AroundPin<'a, D> {
     pub(super) fn of(branching: &'a Branching<D>, pin: &PointPin<D>) -> Self {
-        let (pin, piece) = branching.held(pin);
+        let (pin, piece) = branching.snapped_pin(pin);
         let is_within = |radius: f64| {
             move |piece: usize| {
                 let nearest = branching.clamped_to_cell(branching.pieces.list[piece].cell, pin.at);
@@ -137,8 +137,8 @@ fn add_gradient<const D: usize>(
 
 impl<const D: usize> Branching<D> {
     /// Connectedness of each piece with the given one, 0 to 1, #pieces: the value of the widest path, whose width is the smallest
-    /// [`Self::oneness`] of the copies shared by two consecutive pieces. Paths continue only through pieces for which `leads_on`
-    /// is true.
+    /// [`Self::coupling_degree`] of the copies shared by two consecutive pieces. Paths continue only through pieces for which
+    /// `leads_on` is true.
     fn nearness(&self, piece: usize, leads_on: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut nearness = vec![0.0; self.pieces.list.len()];
         let mut waiting = vec![(piece, 1.0_f64)];
@@ -148,8 +148,8 @@ impl<const D: usize> Branching<D> {
             }
             nearness[number] = near;
             if number == piece || leads_on(number) {
-                let beside = self.pieces.beside[number].iter();
-                waiting.extend(beside.map(|(next, copies)| (*next, near.min(self.oneness(copies)))));
+                let adjacent = self.pieces.adjacent_pieces[number].iter();
+                waiting.extend(adjacent.map(|(next, copies)| (*next, near.min(self.coupling_degree(copies)))));
             }
         }
         nearness

@@ -240,9 +240,9 @@ impl<const D: usize> BranchedLattice<D> {
     /// The image of a pin's point.
     #[must_use]
     pub fn pin_image(&self, pin: &PointPin<D>) -> [f64; D] {
-        let (held, piece) = self.branching.held(pin);
-        let image = self.evaluate_in(self.branching.branch_of(piece), held.at);
-        std::array::from_fn(|d| image[d] + pin.at[d] - held.at[d])
+        let (snapped, piece) = self.branching.snapped_pin(pin);
+        let image = self.evaluate_in(self.branching.branch_of(piece), snapped.at);
+        std::array::from_fn(|d| image[d] + pin.at[d] - snapped.at[d])
     }
 
     /// The cells that contain a part of a branch, with the handles that act there.

@@ -1,6 +1,6 @@
 //! The copies of handles: one for each connected component of the shape in a handle's support.
 //!
-//! In: the cuts and seams of a shape. Out: for every cut the copies that act on it, and ties, which tell how close copies of one
+//! In: the cuts and links of a shape. Out: for every cut the copies that act on it, and ties, which tell how close copies of one
 //! handle are to each other.
 
 use super::adjacency::Adjacency;
@@ -97,7 +97,7 @@ impl<const D: usize> Finder<'_, D> {
             return;
         }
         let mut pieces = DisjointSets::of(triangles.len());
-        for (_, pair) in self.seams_among(&triangles, support).into_iter().filter(|(growth, _)| *growth < 0.0) {
+        for (_, pair) in self.links_among(&triangles, support).into_iter().filter(|(growth, _)| *growth < 0.0) {
             pieces.join(pair);
         }
         let first = copies.handles.len();
@@ -139,11 +139,11 @@ impl<const D: usize> Finder<'_, D> {
         }
         let mut copies_at = vec![Vec::new(); triangles.len()];
         first_of_copy.into_iter().for_each(|(copy, place)| copies_at[pieces.root(place)].push(copy));
-        let mut seams = self.seams_among(&triangles, support);
-        seams.retain(|(growth, _)| *growth < 1.0);
-        seams.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut links = self.links_among(&triangles, support);
+        links.retain(|(growth, _)| *growth < 1.0);
+        links.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut ties = Vec::new();
-        for (growth, pair) in seams {
+        for (growth, pair) in links {
             let [a, b] = pair.map(|place| pieces.root(place));
             if a == b {
                 continue;
@@ -178,12 +178,12 @@ impl<const D: usize> Finder<'_, D> {
         triangles.iter().for_each(|&triangle| self.place_of[triangle] = usize::MAX);
     }
 
-    /// The seams between the given triangles as pairs of positions, each with the growth at which the support reaches it.
-    fn seams_among(&self, triangles: &[usize], support: &SupportBox<D>) -> Vec<(f64, [usize; 2])> {
-        let seams = triangles.iter().flat_map(|&triangle| self.adjacency.from(triangle));
-        let among = seams.filter_map(|seam| {
-            let pair = seam.triangles.map(|triangle| self.place_of.get(triangle).copied().unwrap_or(usize::MAX));
-            (pair[1] != usize::MAX).then(|| (support.growth_to(seam), pair))
+    /// The links between the given triangles as pairs of positions, each with the growth at which the support reaches it.
+    fn links_among(&self, triangles: &[usize], support: &SupportBox<D>) -> Vec<(f64, [usize; 2])> {
+        let links = triangles.iter().flat_map(|&triangle| self.adjacency.from(triangle));
+        let among = links.filter_map(|link| {
+            let pair = link.triangles.map(|triangle| self.place_of.get(triangle).copied().unwrap_or(usize::MAX));
+            (pair[1] != usize::MAX).then(|| (support.growth_to(link), pair))
         });
         among.collect()
     }

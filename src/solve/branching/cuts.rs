@@ -9,7 +9,7 @@ use crate::solve::problem::Shape;
 use crate::solve::samples::Polygon;
 
 /// Parts with a smaller area, as a fraction of a cell, are ignored, unless the whole triangle is that small.
-const LEAST: f64 = 1e-9;
+const MIN_AREA: f64 = 1e-9;
 
 /// The part of a triangle that lies in a cell.
 #[derive(Clone, Copy, Debug)]
@@ -35,13 +35,13 @@ impl<const D: usize> Cut<D> {
 /// All cuts, in the order of the triangles.
 pub(super) fn cuts<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Cut<D>> {
     let side = (0..D).map(|axis| grid.spacing(axis)).fold(f64::INFINITY, f64::min);
-    let least = LEAST * side * side;
+    let least = MIN_AREA * side * side;
     let mut cuts: Vec<Cut<D>> = Vec::new();
     for (triangle, corners) in shape.triangles.iter().enumerate() {
         let corners = corners.map(|corner| shape.points[corner as usize]);
         let first = cuts.len();
         let is_small = area(&corners) <= least;
-        slice(grid, &mut Polygon::triangle(corners), (0, 0), &mut |cell, polygon| {
+        cut_by_cells(grid, &mut Polygon::triangle(corners), (0, 0), &mut |cell, polygon| {
             let area = area(polygon.corners());
             if area > least || is_small {
                 cuts.push(Cut { triangle, cell, area, polygon: *polygon });
@@ -53,7 +53,7 @@ pub(super) fn cuts<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Vec<Cut<
 }
 
 /// Cuts a polygon into the slabs of each axis in turn. `cell` is the contribution of the previous axes to the index of the cell.
-fn slice<const D: usize>(
+fn cut_by_cells<const D: usize>(
     grid: &Grid<D>,
     polygon: &mut Polygon<D>,
     (axis, cell): (usize, usize),
@@ -68,12 +68,12 @@ fn slice<const D: usize>(
     let [low, high] = polygon.range(axis).map(place);
     for slab in low..=high {
         if slab == high {
-            return slice(grid, polygon, (axis + 1, cell + slab * stride), visit);
+            return cut_by_cells(grid, polygon, (axis + 1, cell + slab * stride), visit);
         }
         let border = grid.lo[axis] + (slab + 1) as f64 * grid.spacing(axis);
         let mut below = polygon.split_off(axis, border);
         if !below.corners().is_empty() {
-            slice(grid, &mut below, (axis + 1, cell + slab * stride), visit);
+            cut_by_cells(grid, &mut below, (axis + 1, cell + slab * stride), visit);
         }
         if polygon.corners().is_empty() {
             return;

@@ -138,14 +138,14 @@ impl<const D: usize> Branching<D> {
 
     /// The point of the shape that a pin holds, and its piece. A pin beside the shape holds the nearest point, with the same
     /// displacement.
-    pub(crate) fn held(&self, pin: &PointPin<D>) -> (PointPin<D>, usize) {
-        let (at, piece) = self.held_point(pin.at, pin.triangle);
+    pub(crate) fn snapped_pin(&self, pin: &PointPin<D>) -> (PointPin<D>, usize) {
+        let (at, piece) = self.snapped_point(pin.at, pin.triangle);
         let target = std::array::from_fn(|d| pin.target[d] + at[d] - pin.at[d]);
         (PointPin { at, target, ..*pin }, piece)
     }
 
     /// The point of the given triangle, or else of the shape, that is nearest to a point, and its piece.
-    pub(crate) fn held_point(&self, point: [f64; D], triangle: Option<u32>) -> ([f64; D], usize) {
+    pub(crate) fn snapped_point(&self, point: [f64; D], triangle: Option<u32>) -> ([f64; D], usize) {
         match triangle.map(|triangle| triangle as usize) {
             Some(triangle) if triangle < self.triangles.len() => {
                 let at = nearest_of_triangle(&point, &self.triangles[triangle]);
@@ -173,7 +173,7 @@ impl<const D: usize> Branching<D> {
     pub(crate) fn piece_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
         let first = self.cuts.partition_point(|cut| cut.triangle < triangles.start);
         let cuts = self.cuts[first..].iter().take_while(|cut| cut.triangle < triangles.end).enumerate();
-        let beside = |cut: &Cut<D>| {
+        let gap = |cut: &Cut<D>| {
             let place = self.grid.cell_coords(cut.cell);
             let outside = (0..D).map(|axis| {
                 let low = self.grid.lo[axis] + place[axis] as f64 * self.grid.spacing(axis);
@@ -181,7 +181,7 @@ impl<const D: usize> Branching<D> {
             });
             outside.fold(0.0, f64::max)
         };
-        let nearest = cuts.min_by(|a, b| beside(a.1).total_cmp(&beside(b.1))).map_or(0, |(place, _)| place);
+        let nearest = cuts.min_by(|a, b| gap(a.1).total_cmp(&gap(b.1))).map_or(0, |(place, _)| place);
         self.pieces.of_cuts[first + nearest]
     }
 

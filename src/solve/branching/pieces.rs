@@ -29,7 +29,7 @@ pub(super) struct Pieces {
     /// Pieces of adjacent cells that have the same copies of all handles that act on both, #pieces, ascending.
     pub(super) neighbours: Vec<Vec<usize>>,
     /// All pieces of adjacent cells, #pieces, each with pairs of the two pieces' copies of the handles that act on both.
-    pub(super) beside: Vec<Vec<(usize, Vec<[usize; 2]>)>>,
+    pub(super) adjacent_pieces: Vec<Vec<(usize, Vec<[usize; 2]>)>>,
 }
 
 impl Pieces {
@@ -46,10 +46,11 @@ impl Pieces {
             let area = same.iter().map(|&cut| cuts[cut].area).sum();
             list.push(Piece { cell: cuts[same[0]].cell, copies: copies_of(same[0]).to_vec(), area });
         }
-        let beside = beside(grid, width, &list);
+        let adjacent_pieces = adjacent_pieces(grid, width, &list);
         let is_one = |(_, copies): &&(usize, Vec<[usize; 2]>)| copies.iter().all(|[own, other]| own == other);
-        let neighbours = beside.iter().map(|own| own.iter().filter(is_one).map(|(next, _)| *next).collect()).collect();
-        Self { list, of_cuts, neighbours, beside }
+        let neighbours =
+            adjacent_pieces.iter().map(|own| own.iter().filter(is_one).map(|(next, _)| *next).collect()).collect();
+        Self { list, of_cuts, neighbours, adjacent_pieces }
     }
 
     /// The pieces of a cell.
@@ -95,8 +96,8 @@ impl Pieces {
 }
 
 /// For each piece, the pieces of adjacent cells, ascending, with pairs of copies of the handles that act on both cells.
-fn beside<const D: usize>(grid: &Grid<D>, width: usize, list: &[Piece]) -> Vec<Vec<(usize, Vec<[usize; 2]>)>> {
-    let mut beside = vec![Vec::new(); list.len()];
+fn adjacent_pieces<const D: usize>(grid: &Grid<D>, width: usize, list: &[Piece]) -> Vec<Vec<(usize, Vec<[usize; 2]>)>> {
+    let mut adjacent = vec![Vec::new(); list.len()];
     let strides: [usize; D] =
         std::array::from_fn(|axis| (0..axis).map(|before| grid.basis.spans(grid.dims[before])).product());
     for (number, piece) in list.iter().enumerate() {
@@ -114,11 +115,11 @@ fn beside<const D: usize>(grid: &Grid<D>, width: usize, list: &[Piece]) -> Vec<V
                     let pair = |&[own, theirs]: &[usize; 2]| [piece.copies[own], other.copies[theirs]];
                     slots.iter().map(pair).map(|[a, b]| if turn { [b, a] } else { [a, b] }).collect()
                 };
-                beside[number].push((first + index, copies(false)));
-                beside[first + index].push((number, copies(true)));
+                adjacent[number].push((first + index, copies(false)));
+                adjacent[first + index].push((number, copies(true)));
             }
         }
     }
-    beside.iter_mut().for_each(|own| own.sort_unstable_by_key(|(next, _)| *next));
-    beside
+    adjacent.iter_mut().for_each(|own| own.sort_unstable_by_key(|(next, _)| *next));
+    adjacent
 }

@@ -8,7 +8,7 @@ use super::Branching;
 use std::collections::BTreeMap;
 
 /// Smallest relative weight of a row, however small its area, so that its copies are determined.
-const LEAST: f64 = 1e-3;
+const MIN_SHARE: f64 = 1e-3;
 
 /// The growth of a support at which two copies count about half as one.
 const HALF_APART: f64 = 0.1;
@@ -24,13 +24,13 @@ impl<const D: usize> Branching<D> {
         }
         let weighed = same.into_values().flat_map(|rows| {
             let share = |(copies, area): &(Vec<usize>, f64)| {
-                let oneness = |others: &[usize]| {
+                let coupling_degree = |others: &[usize]| {
                     let pairs: Vec<_> = copies.iter().zip(others).map(|(&one, &other)| [one, other]).collect();
-                    self.oneness(&pairs)
+                    self.coupling_degree(&pairs)
                 };
-                let together: f64 = rows.iter().map(|(others, area)| area * oneness(others)).sum();
-                let fill = (together / self.full_area()).clamp(LEAST, 1.0);
-                if together > 0.0 { (fill * area / together).max(LEAST) } else { fill }
+                let together: f64 = rows.iter().map(|(others, area)| area * coupling_degree(others)).sum();
+                let fill = (together / self.full_area()).clamp(MIN_SHARE, 1.0);
+                if together > 0.0 { (fill * area / together).max(MIN_SHARE) } else { fill }
             };
             let shares: Vec<f64> = rows.iter().map(share).collect();
             rows.into_iter().zip(shares).map(|((copies, _), share)| (copies, share))
@@ -40,7 +40,7 @@ impl<const D: usize> Branching<D> {
 
     /// The degree to which pairs of copies count as one: 1 if they are equal or have just split, 0 if the pieces of some pair are
     /// a span apart.
-    pub(super) fn oneness(&self, pairs: &[[usize; 2]]) -> f64 {
+    pub(super) fn coupling_degree(&self, pairs: &[[usize; 2]]) -> f64 {
         let growth = |&[one, other]: &[usize; 2]| {
             let copies = [one.min(other), one.max(other)];
             let tie = || self.ties.binary_search_by_key(&copies, |tie| tie.copies);

@@ -13,10 +13,10 @@ use rstar::{AABB, RTree};
 const PITCH: f64 = 1.0 / 48.0;
 
 /// Largest number of points along a side of a triangle.
-const MOST_POINTS: usize = 16;
+const MAX_POINTS: usize = 16;
 
 /// Largest number of rays; if there would be more, each triangle has one.
-const MOST_RAYS: usize = 400_000;
+const MAX_RAYS: usize = 400_000;
 
 /// Offset of the start of a ray from the surface, as a fraction of the diagonal.
 const OFF_SURFACE: f64 = 1e-7;
@@ -31,12 +31,12 @@ pub fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
     let pitch = PITCH * surface.diagonal;
     let count = |corners: &[[f64; 3]; 3]| {
         let longest = (0..3).map(|k| distance(&corners[k], &corners[(k + 1) % 3])).fold(0.0, f64::max);
-        ((longest / pitch).ceil() as usize).clamp(1, MOST_POINTS)
+        ((longest / pitch).ceil() as usize).clamp(1, MAX_POINTS)
     };
     let rays: usize = surface.corners.iter().map(|corners| count(corners).pow(2)).sum();
     let mut links = Vec::new();
     for (number, corners) in surface.corners.iter().enumerate() {
-        let side = if rays > MOST_RAYS { 1 } else { count(corners) };
+        let side = if rays > MAX_RAYS { 1 } else { count(corners) };
         for from in centroids(side) {
             let start = LinkEnd { triangle: number as u32, barycentric: from.map(|share| share as f32) };
             links.extend(surface.exit(number, &from).map(|end| Link { ends: [start, end], kind: LinkKind::Across }));

@@ -1,8 +1,8 @@
-//! The support of a handle, and its distance from seams.
+//! The support of a handle, and its distance from links.
 //!
 //! In: a handle. Out: the cells of its support; distances in spans, negative inside.
 
-use super::adjacency::Seam;
+use super::adjacency::PlacedLink;
 use super::link::LinkKind;
 use crate::lattice::Grid;
 
@@ -42,13 +42,13 @@ impl<const D: usize> SupportBox<D> {
         })
     }
 
-    /// Growth of the box on all sides, in spans, at which it connects the triangles of a seam; negative if it already does. An
+    /// Growth of the box on all sides, in spans, at which it connects the triangles of a link; negative if it already does. An
     /// edge connects them if the box meets it; a link across a gap or a solid, if both ends are inside.
-    pub(super) fn growth_to(&self, seam: &Seam<D>) -> f64 {
-        match seam.kind {
-            LinkKind::Edge => self.growth(&seam.ends),
+    pub(super) fn growth_to(&self, link: &PlacedLink<D>) -> f64 {
+        match link.kind {
+            LinkKind::Edge => self.growth(&link.ends),
             LinkKind::Across => {
-                let [from, to] = seam.ends.map(|end| self.growth(&[end, end]));
+                let [from, to] = link.ends.map(|end| self.growth(&[end, end]));
                 from.max(to)
             }
         }

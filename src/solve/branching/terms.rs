@@ -21,14 +21,14 @@ use std::collections::{BTreeMap, BTreeSet};
 const TIE: f64 = 1e-4;
 
 /// Largest stiffness of a tie, as a multiple of [`TIE`].
-const STIFFEST: f64 = 1e8;
+const MAX_TIE_FACTOR: f64 = 1e8;
 
 /// Exponent of the weights by which a copy with a negligible area continuously chooses one of its siblings (other copies of its
 /// handle).
-const CHOICE: i32 = 16;
+const CHOICE_EXPONENT: i32 = 16;
 
 /// Area of a part of the shape, as a fraction of a cell, from which on its rows have full weight.
-const FULL_SHARE: f64 = 0.02;
+const FULL_FRACTION: f64 = 0.02;
 
 impl<const D: usize> Branching<D> {
     /// The energy `area` over all branches, with the discs of pins and the ties between copies.
@@ -79,7 +79,7 @@ impl<const D: usize> Branching<D> {
     /// Rows of the pins over copies.
     pub(crate) fn pin_rows(&self, pins: &[PointPin<D>], settings: &Settings) -> LeastSquaresRows<D> {
         let mut all = LeastSquaresRows::new();
-        for (pin, piece) in pins.iter().map(|pin| self.held(pin)) {
+        for (pin, piece) in pins.iter().map(|pin| self.snapped_pin(pin)) {
             let mut rows = LeastSquaresRows::new();
             pins::push_pin(&mut rows, &self.grid, &pin, settings);
             all.extend(&self.clipped(self.branch_of(piece), &rows));
@@ -90,15 +90,15 @@ impl<const D: usize> Branching<D> {
     /// The degree to which two pins act on the same unknowns, 0 to 1; pins on separate parts are independent.
     pub(crate) fn coupling(&self, pins: [&PointPin<D>; 2]) -> f64 {
         let [one, other] = pins.map(|pin| {
-            let (held, piece) = self.held(pin);
+            let (snapped, piece) = self.snapped_pin(pin);
             let copies = &self.branches[self.branch_of(piece)];
-            let weights = self.grid.weights(self.grid.clamp_to_box(held.at)).into_iter();
+            let weights = self.grid.weights(self.grid.clamp_to_box(snapped.at)).into_iter();
             weights.filter_map(|(handle, weight)| Some((handle, (copies[handle]?, weight)))).collect::<BTreeMap<_, _>>()
         });
         let (mut sum, mut total) = (0.0, 0.0);
         for (handle, (copy, weight)) in &one {
             if let Some((theirs, other)) = other.get(handle) {
-                sum += weight * other * self.oneness(&[[*copy, *theirs]]);
+                sum += weight * other * self.coupling_degree(&[[*copy, *theirs]]);
                 total += weight * other;
             }
         }
@@ -110,7 +110,7 @@ impl<const D: usize> Branching<D> {
         let mut rows = LeastSquaresRows::new();
         let weight = 1.0 / points.len().max(1) as f64;
         for point in points {
-            let (at, piece) = self.held_point(point.at, point.triangle);
+            let (at, piece) = self.snapped_point(point.at, point.triangle);
             let mut row = LeastSquaresRows::new();
             pins::push_point(&mut row, &self.grid, at, weight);
             rows.extend(&self.clipped(self.branch_of(piece), &row));
@@ -144,9 +144,9 @@ impl<const D: usize> Branching<D> {
     }
 
     /// Ties: rows for the difference of two copies. The stiffness is 0 if their support has to grow by a whole span to connect
-    /// them, and unbounded but for [`STIFFEST`] as the growth approaches 0. Copies that are closer to each other than to a third
-    /// have one tie to it in total, shared in proportion to their areas. A copy with a negligible area is tied to one sibling
-    /// only, so that it does not couple others.
+    /// them, and unbounded but for [`MAX_TIE_FACTOR`] as the growth approaches 0. Copies that are closer to each other than to a
+    /// third have one tie to it in total, shared in proportion to their areas. A copy with a negligible area is tied to one
+    /// sibling only, so that it does not couple others.
     fn tie_rows(&self) -> LeastSquaresRows<D> {
         let mut area = vec![0.0; self.handles.len()];
         for piece in &self.pieces.list {
@@ -158,7 +158,7 @@ impl<const D: usize> Branching<D> {
             siblings[one].push((other, tie.growth));
             siblings[other].push((one, tie.growth));
         }
-        let weight = |growth: f64| (TIE * ((1.0 - growth) / growth).powi(2)).min(TIE * STIFFEST);
+        let weight = |growth: f64| (TIE * ((1.0 - growth) / growth).powi(2)).min(TIE * MAX_TIE_FACTOR);
         let among_near = |copy: usize, growth: f64| {
             let nearer = siblings[copy].iter().filter(|(_, own)| *own < growth);
             let others: f64 = nearer.map(|(sibling, own)| area[*sibling] * (1.0 - own / growth)).sum();
@@ -169,12 +169,12 @@ impl<const D: usize> Branching<D> {
         let sums = (0..self.handles.len()).map(|copy| {
             let pulls = || siblings[copy].iter().map(|&(sibling, growth)| pull(copy, sibling, growth));
             let greatest = pulls().fold(f64::MIN_POSITIVE, f64::max);
-            (greatest, pulls().map(|pull| (pull / greatest).powi(CHOICE)).sum::<f64>())
+            (greatest, pulls().map(|pull| (pull / greatest).powi(CHOICE_EXPONENT)).sum::<f64>())
         });
         let sums: Vec<(f64, f64)> = sums.collect();
         let choice = |copy: usize, sibling: usize, growth: f64| {
             let (greatest, sum) = sums[copy];
-            if sum > 0.0 { (pull(copy, sibling, growth) / greatest).powi(CHOICE) / sum } else { 1.0 }
+            if sum > 0.0 { (pull(copy, sibling, growth) / greatest).powi(CHOICE_EXPONENT) / sum } else { 1.0 }
         };
         let needs = |copy: usize| (area[copy] / self.full_area()).min(1.0);
         let mut rows = LeastSquaresRows::new();
@@ -196,7 +196,7 @@ impl<const D: usize> Branching<D> {
 
     /// The area from which on a part of the shape has full weight.
     pub(super) fn full_area(&self) -> f64 {
-        FULL_SHARE * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
+        FULL_FRACTION * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
     }
 
     /// The copy of a handle in a branch.

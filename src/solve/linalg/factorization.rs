@@ -4,7 +4,7 @@
 
 use super::band_storage::stride;
 use super::cholesky::Cholesky;
-use super::normal_matrix::{NormalMatrix, SMALL};
+use super::normal_matrix::{MIN_DENSE_SIZE, NormalMatrix};
 use super::small_matrix::{SquareMatrix, identity, symmetric_eigen};
 use super::sparse::SparseFactor;
 use crate::solve::cancel::Cancel;
@@ -12,7 +12,7 @@ use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Mat, Side};
 
 /// Up to this size the banded factorisation is faster even for dense matrices, which faer would have to copy first.
-const CACHED: usize = 256;
+const MAX_BANDED_DENSE: usize = 256;
 
 /// Above this size faer's dense kernels, which cannot be interrupted, take too long.
 const MAX_UNPOLLED: usize = 1024;
@@ -57,7 +57,7 @@ impl Factorization {
             return SparseFactor::of(&entries).map(Self::Sparse);
         }
         let is_large = normal.size > MAX_UNPOLLED;
-        if (normal.is_banded_enough() || normal.size <= CACHED || is_large) && normal.downdates.is_empty() {
+        if (normal.is_banded_enough() || normal.size <= MAX_BANDED_DENSE || is_large) && normal.downdates.is_empty() {
             return Cholesky::new(normal.band, normal.columns, cancel).map(Self::Cholesky);
         }
         let band = normal.size.saturating_sub(1);
@@ -106,13 +106,13 @@ const MAX_RANK: usize = 8;
 
 /// Smallest accepted eigenvalue of I − UᵀN⁻¹U, all of which lie in 0..=1. Below it cancellation loses digits, and a dense factor
 /// is used.
-const MIN_LEFT: f64 = 1e-3;
+const MIN_EIGENVALUE: f64 = 1e-3;
 
 impl Corrected {
     /// Factors a banded matrix with downdates; `None` if a dense factor is preferable.
     fn new(normal: &NormalMatrix, cancel: &Cancel) -> Option<Self> {
         let count = normal.downdates.len();
-        let fits = (1..=MAX_RANK).contains(&count) && normal.size >= SMALL && normal.is_banded_enough();
+        let fits = (1..=MAX_RANK).contains(&count) && normal.size >= MIN_DENSE_SIZE && normal.is_banded_enough();
         let banded = if fits { Cholesky::new(normal.band, normal.columns.clone(), cancel) } else { None }?;
         let roots = |(weight, square): &(f64, Vec<f64>)| square.iter().map(|x| weight.sqrt() * x).collect();
         let u: Vec<Vec<f64>> = normal.downdates.iter().map(roots).collect();
@@ -145,12 +145,12 @@ impl Corrected {
     }
 }
 
-/// The inverse of a symmetric matrix; `None` if an eigenvalue is not above [`MIN_LEFT`].
+/// The inverse of a symmetric matrix; `None` if an eigenvalue is not above [`MIN_EIGENVALUE`].
 fn inverse_of_positive<const N: usize>(m: &SquareMatrix<N>) -> Option<SquareMatrix<N>> {
     let (values, vectors) = symmetric_eigen(m);
     let entry = |a: usize, b: usize| (0..N).map(|k| vectors[a][k] * vectors[b][k] / values[k]).sum();
     let inverse = std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)));
-    values.iter().all(|&value| value > MIN_LEFT).then_some(inverse)
+    values.iter().all(|&value| value > MIN_EIGENVALUE).then_some(inverse)
 }
 
 /// Dense Cholesky by faer, with columns as in [`Cholesky`] and a full band.

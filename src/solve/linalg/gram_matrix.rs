@@ -49,7 +49,7 @@ impl GramMatrix {
     }
 
     /// Column b of the Gram matrix, from its diagonal on.
-    pub(crate) fn below(&self, b: usize) -> &[f64] {
+    pub(crate) fn column(&self, b: usize) -> &[f64] {
         &self.sums[b * self.width + b..b * self.width + self.count]
     }
 }

@@ -82,7 +82,7 @@ impl NormalMatrix {
         for (number, &run) in runs.iter().enumerate() {
             for (k, &column) in run.iter().enumerate() {
                 let slots = &mut self.columns[column * stride..][..stride];
-                let mut sums = gram.below(b);
+                let mut sums = gram.column(b);
                 for below in std::iter::once(&run[k..]).chain(runs[number + 1..].iter().copied()) {
                     let (own, rest) = sums.split_at(below.len());
                     let targets = slots[below[0] - column..].iter_mut();
@@ -231,7 +231,7 @@ fn spread<const D: usize>(numbers: &[f64], slots: &mut [f64]) {
 }
 
 /// Below this size the banded factorisation is faster for any bandwidth.
-pub(super) const SMALL: usize = 48;
+pub(super) const MIN_DENSE_SIZE: usize = 48;
 
 /// Largest number minus smallest; `None` if there are none.
 pub(crate) fn index_extent(numbers: impl Iterator<Item = usize> + Clone) -> Option<usize> {
@@ -241,6 +241,6 @@ pub(crate) fn index_extent(numbers: impl Iterator<Item = usize> + Clone) -> Opti
 impl NormalMatrix {
     /// Whether the banded factorisation is faster than faer's dense kernels: the bandwidth is well below the size.
     pub(crate) fn is_banded_enough(&self) -> bool {
-        self.size < SMALL || self.band * 2 < self.size
+        self.size < MIN_DENSE_SIZE || self.band * 2 < self.size
     }
 }

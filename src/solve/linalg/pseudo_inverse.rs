@@ -18,7 +18,7 @@ const BATCH: usize = 8;
 pub(crate) struct PseudoInverse {
     /// The pseudo-inverse, row by row.
     pub(crate) inverse: Vec<f64>,
-    /// Σ (1 − share) v vᵀ over the eigenvectors v, row by row, with the share of [`kept_share`]; empty if no direction is
+    /// Σ (1 − share) v vᵀ over the eigenvectors v, row by row, with the share of [`fade_weight`]; empty if no direction is
     /// omitted.
     pub(crate) dropped: Vec<f64>,
 }
@@ -48,7 +48,7 @@ impl PseudoInverse {
             found.inverse.chunks_exact_mut(size).zip(found.dropped.chunks_exact_mut(size)).enumerate()
         {
             for (k, column) in columns.iter().enumerate() {
-                let share = kept_share(values[k], cutoff * largest);
+                let share = fade_weight(values[k], cutoff * largest);
                 if share > 0.0 {
                     let factor = share / values[k] * column[i];
                     inverse.iter_mut().zip(column).for_each(|(slot, x)| *slot += factor * x);
@@ -70,7 +70,7 @@ impl PseudoInverse {
 const FADE: f64 = 0.1;
 
 /// The fraction of a direction that is kept: 1 from the limit on, 0 below a tenth of it, smooth in the logarithm between.
-pub(crate) fn kept_share(value: f64, limit: f64) -> f64 {
+pub(crate) fn fade_weight(value: f64, limit: f64) -> f64 {
     if value >= limit {
         return 1.0;
     }

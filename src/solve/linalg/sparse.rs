@@ -12,10 +12,10 @@ use faer::sparse::{SparseColMat, SymbolicSparseColMat, Triplet};
 use faer::{Mat, Side};
 
 /// Smallest size · bandwidth² (twice the multiply-adds of a banded factorisation) for which a sparse factorisation is considered.
-const WIDE: f64 = 2e9;
+const MIN_BANDED_COST: f64 = 2e9;
 
 /// Largest fraction of entries in the band for which a sparse factorisation is faster.
-const SPARSE: f64 = 0.1;
+const MAX_FILL: f64 = 0.1;
 
 /// A factored sparse matrix.
 #[derive(Debug)]
@@ -35,10 +35,10 @@ impl SparseFactor {
     /// The entries of a matrix with a wide band and few entries; `None` if a banded factorisation is preferable.
     pub(super) fn entries(normal: &NormalMatrix) -> Option<SparseColMat<usize, f64>> {
         let (size, band) = (normal.size, normal.band);
-        if size as f64 * (band as f64).powi(2) < WIDE || !normal.downdates.is_empty() {
+        if size as f64 * (band as f64).powi(2) < MIN_BANDED_COST || !normal.downdates.is_empty() {
             return None;
         }
-        let most = (SPARSE * (size * band) as f64) as usize;
+        let most = (MAX_FILL * (size * band) as f64) as usize;
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         for (j, column) in normal.columns.chunks_exact(stride(band)).take(size).enumerate() {
             for (k, &value) in column[..=band.min(size - 1 - j)].iter().enumerate() {

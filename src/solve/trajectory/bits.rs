@@ -9,7 +9,7 @@ use super::{Coupling, Spread, Trajectory};
 use crate::solve::branching::CopyName;
 
 /// Stands in place of the number of handles for a knot without a state.
-const NOTHING: u64 = u64::MAX;
+const NO_STATE: u64 = u64::MAX;
 
 impl<const D: usize> Trajectory<D> {
     /// Serialises the trajectory.
@@ -23,7 +23,7 @@ impl<const D: usize> Trajectory<D> {
         for (state, drawing) in self.states.iter().zip(&self.drawings) {
             out.word(drawing.cast_unsigned());
             match state {
-                None => out.word(NOTHING),
+                None => out.word(NO_STATE),
                 Some(Displacement { handles, copies, points }) => {
                     out.count(handles.len());
                     out.count(copies.len());
@@ -97,11 +97,11 @@ impl Reader<'_> {
     /// Reads the number of elements that follow, each at least `words` words long; `None` if the remaining bytes are too few.
     fn count(&mut self, words: usize) -> Option<usize> {
         let count = self.word()?;
-        self.fitting(count, words)
+        self.checked_count(count, words)
     }
 
     /// `count` as `usize`, if at least `count` times `words` words remain.
-    fn fitting(&self, count: u64, words: usize) -> Option<usize> {
+    fn checked_count(&self, count: u64, words: usize) -> Option<usize> {
         let count = usize::try_from(count).ok()?;
         (count.checked_mul(words)? <= self.0.len() / 8).then_some(count)
     }
@@ -120,10 +120,10 @@ impl Reader<'_> {
 
     fn state<const D: usize>(&mut self) -> Option<Option<Displacement<D>>> {
         let handles = self.word()?;
-        if handles == NOTHING {
+        if handles == NO_STATE {
             return Some(None);
         }
-        let handles = self.fitting(handles, D)?;
+        let handles = self.checked_count(handles, D)?;
         let copies = self.count(2)?;
         let points = self.count(D)?;
         if copies != 0 && copies != handles {

@@ -12,7 +12,7 @@
 //! limit (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots jumps, ω is
 //! raised until it is continuous.
 
-use super::continuity::{Interval, LEAST_DEPTH};
+use super::continuity::{CONVEX_FACTOR, JumpSearch, Probe};
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
@@ -21,13 +21,13 @@ use crate::solve::error::SolveError;
 use rayon::prelude::*;
 
 /// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
-const FREEDOM: f64 = 2.0;
+const MOTION_FACTOR: f64 = 2.0;
 
 /// Largest number of sweeps between two changes of the weights.
 const SWEEPS: usize = 40;
 
 /// Largest number of changes of the weights.
-const ROUNDS: usize = 30;
+const MAX_WEIGHT_UPDATES: usize = 30;
 
 /// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
@@ -36,10 +36,6 @@ const TOLERANCE: f64 = 2e-5;
 /// weights needs no more accuracy.
 const COARSE_TOLERANCE: f64 = 3e-4;
 
-/// Multiple of an interval's weight with which the energy has to be convex for the search for jumps to be skipped. The proximal
-/// term inside an interval has at least eight times the weight of the interval.
-const CONVEX_SHARE: f64 = 2.0;
-
 /// Smallest ratio of a weight to those of the neighbouring intervals.
 const TAPER: f64 = 0.5;
 
@@ -47,30 +43,18 @@ const TAPER: f64 = 0.5;
 /// hundred.
 const MAX_SEARCHED_HANDLES: usize = 1500;
 
-/// The motion is steady where its speed changes by less than this from knot to knot, in units of the least speed.
-const STEADY: f64 = 2.0;
-
-/// Tolerance of the search for jumps, as a fraction of the least speed.
-const EVEN: f64 = 0.25;
-
-/// The search for a weight with continuous motion tries this many, each twice the one before.
-const DOUBLINGS: i32 = 16;
-
 /// Largest weight that exceeding the speed limit can cause, as a multiple of the initial weight. Where the model still moves too
 /// far with this weight, the points do not capture its motion.
-const MOST: f64 = 1e5;
+const MAX_SPEED_WEIGHT_FACTOR: f64 = 1e5;
 
 /// Smallest and largest factor by which one change raises a weight because of the speed limit.
 const GROWTH: [f64; 2] = [1.5, 30.0];
-
-/// Builds the unsolved knot of a time; `None` if there is no problem at that time.
-type Probe<'a, const D: usize> = &'a (dyn Fn(f64) -> Option<Knot<D>> + Sync);
 
 /// A window of knots, coupled by the weights of the intervals between them.
 pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
     /// Number of knots already removed by [`Self::take_front`].
-    taken: usize,
+    removed_count: usize,
     /// Builds the unsolved knot of a time; `None` if there is no problem at that time.
     probe: Probe<'a, D>,
     /// ω of each interval, per squared unit of the space.
@@ -78,7 +62,7 @@ pub(crate) struct Chain<'a, const D: usize> {
     /// Number of leading knots that are final: 0 in the first window, then 1, the last knot of the previous window.
     settled: usize,
     /// Number of knots that the forward pass has solved.
-    passed: usize,
+    forward_count: usize,
     /// Initial weight of every interval.
     pub(crate) weight: f64,
     /// Speed limit of each interval: largest move of a point, in units of the space.
@@ -107,11 +91,11 @@ impl<'a, const D: usize> Chain<'a, D> {
         let weight = coupling.weight * per_frame / diagonal.powi(2);
         let mut chain = Self {
             knots: Vec::new(),
-            taken: 0,
+            removed_count: 0,
             probe,
             weights: Vec::new(),
             settled: 0,
-            passed: 0,
+            forward_count: 0,
             weight,
             limits: Vec::new(),
             is_continuous: Vec::new(),
@@ -131,7 +115,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         for pair in self.knots.windows(2).skip(first) {
             let (weight, limit) = match pair {
                 [Some(knot), Some(next)] => {
-                    (self.weight, FREEDOM * knot.motion(next) + self.coupling.least_speed / per_frame)
+                    (self.weight, MOTION_FACTOR * knot.motion(next) + self.coupling.least_speed / per_frame)
                 }
                 _ => (0.0, f64::INFINITY),
             };
@@ -154,20 +138,20 @@ impl<'a, const D: usize> Chain<'a, D> {
         drop(weights);
         self.limits.drain(..intervals);
         self.is_continuous.drain(..intervals);
-        self.passed -= count;
-        self.taken += count;
+        self.forward_count -= count;
+        self.removed_count += count;
         self.settled = 1;
         front
     }
 
     /// Solves all knots. `passed` is called for each knot that the forward pass reaches.
     pub(crate) fn solve(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
-        let first = self.passed;
+        let first = self.forward_count;
         self.pass_forward(passed)?;
         self.settle(first, TOLERANCE)?;
         let mut tolerance = TOLERANCE;
-        for _ in 0..ROUNDS {
-            if self.tighten(tolerance == TOLERANCE) {
+        for _ in 0..MAX_WEIGHT_UPDATES {
+            if self.raise_weights(tolerance == TOLERANCE) {
                 tolerance = COARSE_TOLERANCE;
             } else if tolerance == TOLERANCE {
                 return Ok(());
@@ -181,28 +165,28 @@ impl<'a, const D: usize> Chain<'a, D> {
 
     /// Solves every knot from the state of the previous one; the first knot, and one after a gap, alone.
     fn pass_forward(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
-        for index in self.passed..self.knots.len() {
+        for index in self.forward_count..self.knots.len() {
             passed();
-            let weight = self.pull(index);
+            let weight = self.weight_at(index);
             let (before, rest) = self.knots.split_at_mut(index);
             let Some(knot) = &mut rest[0] else { continue };
             match before.last() {
                 Some(Some(before)) => {
                     knot.start_from(&before.displacement);
                     let points = &before.displacement.points;
-                    knot.solve_near((points, weight), Descent::Cold, self.cancel)?;
+                    knot.solve_proximal((points, weight), Descent::Cold, self.cancel)?;
                 }
                 _ => {
                     knot.solve_alone(self.cancel)?;
                 }
             }
         }
-        self.passed = self.knots.len();
+        self.forward_count = self.knots.len();
         Ok(())
     }
 
     /// Sum of the weights of the two intervals beside a knot.
-    fn pull(&self, index: usize) -> f64 {
+    fn weight_at(&self, index: usize) -> f64 {
         let before = if index > 0 { self.weights[index - 1] } else { 0.0 };
         before + self.weights.get(index).copied().unwrap_or(0.0)
     }
@@ -236,7 +220,7 @@ impl<'a, const D: usize> Chain<'a, D> {
 
     /// Minimises over one knot with its neighbours fixed; returns the largest move of its points.
     fn relax(&mut self, index: usize) -> Result<f64, SolveError> {
-        let weight = self.pull(index);
+        let weight = self.weight_at(index);
         if weight == 0.0 || index < self.settled {
             return Ok(0.0);
         }
@@ -249,18 +233,18 @@ impl<'a, const D: usize> Chain<'a, D> {
         };
         let Some(knot) = &mut self.knots[index] else { return Ok(0.0) };
         let before = knot.displacement.clone();
-        knot.solve_near((&drawn_to.points, weight), Descent::Warm, self.cancel)?;
+        knot.solve_proximal((&drawn_to.points, weight), Descent::Warm, self.cancel)?;
         Ok(before.farthest(&knot.displacement))
     }
 
     /// Raises the weights where the model moves too far between two knots and, if `searches`, where its motion jumps. Returns
     /// true if any weight has changed.
-    fn tighten(&mut self, searches: bool) -> bool {
+    fn raise_weights(&mut self, searches: bool) -> bool {
         let excess: Vec<f64> = (0..self.weights.len()).map(|index| self.excess(index)).collect();
         let mut raised = self.weights.clone();
         for (index, &excess) in excess.iter().enumerate().filter(|(_, excess)| **excess > 1.0) {
             let wanted = self.weights[index] * (excess * excess).clamp(GROWTH[0], GROWTH[1]);
-            let weight = wanted.min(MOST * self.weight);
+            let weight = wanted.min(MAX_SPEED_WEIGHT_FACTOR * self.weight);
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
         }
@@ -300,7 +284,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             let least = beside.iter().flatten().copied().fold(f64::INFINITY, f64::min);
             let is_new = [index.checked_sub(1), Some(index)].iter().flatten().any(|&k| is_known.get(k) == Some(&false));
             let knot = knot.as_ref().filter(|_| is_new && least > 0.0 && least < f64::INFINITY)?;
-            let held = CONVEX_SHARE * least;
+            let held = CONVEX_FACTOR * least;
             knot.is_convex(held, &Cancel::never()).then_some(held)
         };
         let found: Vec<Option<f64>> = knots.par_iter().enumerate().map(at_knot).collect();
@@ -309,17 +293,17 @@ impl<'a, const D: usize> Chain<'a, D> {
                 knot.note_convex(held);
             }
         }
-        let between = Between {
+        let search = JumpSearch {
             knots: &self.knots,
             weights: &self.weights,
-            taken: self.taken,
+            removed_count: self.removed_count,
             coupling: self.coupling,
             probe: self.probe,
         };
         let intervals = self.is_continuous.par_iter().enumerate();
         let weights = intervals.map(
             |(index, &is_known)| {
-                if is_known { between.weights[index] } else { between.continuous_weight(index) }
+                if is_known { search.weights[index] } else { search.continuous_weight(index) }
             },
         );
         let weights = weights.collect();
@@ -365,89 +349,4 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) drawing: i64,
     /// The weight of the interval that begins at the knot; `None` at the last knot.
     pub(crate) weight: Option<f64>,
-}
-
-/// The data that the search for jumps needs; shared by threads.
-struct Between<'a, const D: usize> {
-    knots: &'a [Option<Knot<D>>],
-    weights: &'a [f64],
-    taken: usize,
-    coupling: Coupling,
-    probe: Probe<'a, D>,
-}
-
-impl<const D: usize> Between<'_, D> {
-    /// The weight of an interval, doubled until no jump is found in it; the initial weight if none is large enough, because the
-    /// jump is in a region without points. The interval is not searched if the motion around it is steady and the energy is
-    /// convex at both knots and halfway between them.
-    fn continuous_weight(&self, index: usize) -> f64 {
-        let initial = self.weights[index];
-        let [Some(knot), Some(next)] = &self.knots[index..=index + 1] else { return initial };
-        // Motion between two drawings is discontinuous on purpose.
-        if knot.drawing != next.drawing {
-            return initial;
-        }
-        let is_convex = knot.is_convex_up_to(next, CONVEX_SHARE * initial);
-        if is_convex && self.is_steady(index) {
-            return initial;
-        }
-        let times = [index, index + 1].map(|knot| self.coupling.knot_time(self.taken + knot));
-        let probe = |part: f64| (self.probe)(times[0] + part * (times[1] - times[0]));
-        let tolerance = EVEN * self.coupling.least_speed;
-        let ends = [&knot.displacement, &next.displacement];
-        let mut interval = Interval::new(ends, &probe, tolerance, if is_convex { 0 } else { LEAST_DEPTH });
-        let weight = |doublings: i32| initial * 2_f64.powi(doublings);
-        let doublings = least(DOUBLINGS, |doublings| interval.is_continuous(weight(doublings)));
-        doublings.map_or(initial, weight)
-    }
-
-    /// Whether the speed hardly changes at both ends of an interval.
-    fn is_steady(&self, index: usize) -> bool {
-        let state = |index: Option<usize>| Some(&self.knots.get(index?)?.as_ref()?.displacement);
-        let is_steady = |at: usize| match [at.checked_sub(1), Some(at), Some(at + 1)].map(state) {
-            [Some(before), Some(here), Some(after)] => {
-                2.0 * before.interpolated(after, 0.5).farthest(here) < STEADY * self.coupling.least_speed
-            }
-            _ => true,
-        };
-        is_steady(index) && is_steady(index + 1)
-    }
-}
-
-/// The least number from 0 to `limit` that holds, if all above it do; `None` if `limit` does not. Galloping, then bisection.
-fn least(limit: i32, mut holds: impl FnMut(i32) -> bool) -> Option<i32> {
-    if holds(0) {
-        return Some(0);
-    }
-    let [mut below, mut found] = [0, 1];
-    while !holds(found) {
-        if found == limit {
-            return None;
-        }
-        [below, found] = [found, (2 * found).min(limit)];
-    }
-    while found - below > 1 {
-        let middle = i32::midpoint(below, found);
-        *if holds(middle) { &mut found } else { &mut below } = middle;
-    }
-    Some(found)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::least;
-
-    #[test]
-    fn the_least_number_that_holds_is_found_with_few_questions() {
-        for wanted in 0..=16 {
-            let mut asked = 0;
-            let found = least(16, |number| {
-                asked += 1;
-                number >= wanted
-            });
-            assert_eq!(found, Some(wanted));
-            assert!(asked <= 9, "{asked} questions for {wanted}");
-        }
-        assert_eq!(least(16, |_| false), None);
-    }
 }

@@ -18,7 +18,7 @@ use crate::solve::system::System;
 use crate::solve::targets::Targets;
 
 /// Distance from rest, in box diagonals, below which the points of a state with resting pins are set to rest exactly.
-const REST: f64 = 0.01;
+const REST_TOLERANCE: f64 = 0.01;
 
 /// The problem of one time with its proximal term.
 #[derive(Debug)]
@@ -92,7 +92,7 @@ impl<const D: usize> Knot<D> {
     /// Sets the state to that of another time. Copies of handles that did not exist then are interpolated from the others and the
     /// points.
     pub(crate) fn start_from(&mut self, state: &Displacement<D>) {
-        self.displacement = self.carried(state);
+        self.displacement = self.transferred(state);
     }
 
     /// Same as [`Self::start_from`], returned as the result of a solve.
@@ -109,7 +109,7 @@ impl<const D: usize> Knot<D> {
     }
 
     /// The state of another time, expressed by the unknowns of this one.
-    fn carried(&self, state: &Displacement<D>) -> Displacement<D> {
+    fn transferred(&self, state: &Displacement<D>) -> Displacement<D> {
         let copies = &self.displacement.copies;
         if *copies == state.copies {
             return state.clone();
@@ -127,12 +127,12 @@ impl<const D: usize> Knot<D> {
             Some(result) => result,
             None => self.system.least(&self.system.own_targets(), None, cancel)?,
         };
-        self.take(&result.handles);
+        self.set_state(&result.handles);
         Ok(result)
     }
 
     /// Solves from the current state with a proximal term of this weight towards the given displacements of the points.
-    pub(crate) fn solve_near(
+    pub(crate) fn solve_proximal(
         &mut self,
         (points, weight): (&[[f64; D]], f64),
         descent: Descent,
@@ -149,7 +149,7 @@ impl<const D: usize> Knot<D> {
         } else {
             Minimization { initial: Some(&initial), ..minimization }.run(None)
         }?;
-        self.take(&result.handles);
+        self.set_state(&result.handles);
         Ok(result)
     }
 
@@ -176,7 +176,7 @@ impl<const D: usize> Knot<D> {
     /// Whether the energy with this weight is convex at both knots, and here at the mean of their states.
     pub(crate) fn is_convex_up_to(&self, next: &Self, weight: f64) -> bool {
         let never = Cancel::never();
-        let halfway = || self.displacement.interpolated(&self.carried(&next.displacement), 0.5).handles;
+        let halfway = || self.displacement.interpolated(&self.transferred(&next.displacement), 0.5).handles;
         self.is_convex(weight, &never)
             && next.is_convex(weight, &never)
             && self.system.is_convex(&self.displaced(&halfway()), weight, &never)
@@ -190,13 +190,13 @@ impl<const D: usize> Knot<D> {
     /// Sets the state to the solved handles. If all pins rest and all points are near rest, the state becomes rest exactly, which
     /// is the global minimum: a moving neighbour would otherwise draw it away by fractions of a pixel. Points are farther from
     /// rest only where the model has been wound around, or a snap is spread over the knot.
-    fn take(&mut self, handles: &[[f64; D]]) {
+    fn set_state(&mut self, handles: &[[f64; D]]) {
         self.convex_from = f64::INFINITY;
         let points = self.system.point_images(handles);
         let by = |images: &[[f64; D]], rigid: &[[f64; D]]| images.iter().zip(rigid).map(|(a, b)| minus(a, b)).collect();
         self.displacement.handles = by(handles, &self.rigid.handles);
         self.displacement.points = by(&points, &self.rigid.points);
-        let nearness = REST * self.grid().diagonal();
+        let nearness = REST_TOLERANCE * self.grid().diagonal();
         let is_near = |by: &[f64; D]| by.iter().all(|along| along.abs() < nearness);
         if self.is_resting && self.displacement.points.iter().all(is_near) {
             self.displacement.handles.fill([0.0; D]);

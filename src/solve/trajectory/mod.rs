@@ -30,7 +30,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const AT_KNOT: f64 = 1e-5;
 
 /// Smallest number of knots per window.
-const LEAST_WINDOW: usize = 16;
+const MIN_WINDOW: usize = 16;
 
 /// The solved knots of a layer's lattice over a range of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +84,7 @@ impl<const D: usize> Trajectory<D> {
         let build = |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> {
             if timeline.is_light() { range.into_par_iter().map(build).collect() } else { range.map(build).collect() }
         };
-        let window = timeline.window().max(LEAST_WINDOW);
+        let window = timeline.window().max(MIN_WINDOW);
         let mut end = window.min(count);
         let mut chain = Chain::new(build(0..end)?, &probe, &coupling, cancel);
         let mut done = Vec::new();
@@ -103,7 +103,7 @@ impl<const D: usize> Trajectory<D> {
         let weights = done.iter().filter_map(|knot| knot.weight).collect();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
         let trajectory = Self { coupling, states, drawings, weights, weight, spreads: Vec::new() };
-        Ok(Self { spreads: trajectory.raised(), ..trajectory })
+        Ok(Self { spreads: trajectory.find_spreads(), ..trajectory })
     }
 
     /// Number of knots with a state.
@@ -141,11 +141,11 @@ impl<const D: usize> Trajectory<D> {
     fn solve_knot(&self, knot: &mut Knot<D>, time: f64, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
         match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
-            Neighbourhood::At(state) => Ok(knot.at(state)),
-            Neighbourhood::Near(state, _) if knot.rests_at(&state) => Ok(knot.at(&state)),
-            Neighbourhood::Near(state, weight) => {
+            Neighbourhood::Knot(state) => Ok(knot.at(state)),
+            Neighbourhood::Proximal(state, _) if knot.rests_at(&state) => Ok(knot.at(&state)),
+            Neighbourhood::Proximal(state, weight) => {
                 knot.start_from(&state);
-                knot.solve_near((&state.points, weight), Descent::Cold, cancel)
+                knot.solve_proximal((&state.points, weight), Descent::Cold, cancel)
             }
         }
     }
@@ -159,7 +159,7 @@ impl<const D: usize> Trajectory<D> {
         let last = self.states.len() as f64 - 1.0;
         let state = |knot: f64| self.state(knot).filter(|_| self.drawings[knot as usize] == drawing);
         if let Some(state) = state(place.round()).filter(|_| (place - place.round()).abs() < AT_KNOT) {
-            return Neighbourhood::At(state);
+            return Neighbourhood::Knot(state);
         }
         let before = place.floor().min(last);
         let after = place.ceil().max(0.0);
@@ -170,16 +170,16 @@ impl<const D: usize> Trajectory<D> {
         match pair {
             (Some(from), Some(to)) => {
                 let s = place - before;
-                Neighbourhood::Near(from.interpolated(to, s), weight_between(self.weights[before as usize], s))
+                Neighbourhood::Proximal(from.interpolated(to, s), weight_between(self.weights[before as usize], s))
             }
-            (Some(only), None) => Neighbourhood::Near(only.clone(), self.weight / (place - before)),
-            (None, Some(only)) => Neighbourhood::Near(only.clone(), self.weight / (after - place)),
+            (Some(only), None) => Neighbourhood::Proximal(only.clone(), self.weight / (place - before)),
+            (None, Some(only)) => Neighbourhood::Proximal(only.clone(), self.weight / (after - place)),
             (None, None) => Neighbourhood::Alone,
         }
     }
 
     /// Runs of intervals whose weight was raised.
-    fn raised(&self) -> Vec<Spread> {
+    fn find_spreads(&self) -> Vec<Spread> {
         let mut spreads: Vec<Spread> = Vec::new();
         for index in (0..self.weights.len()).filter(|&index| self.weights[index] > self.weight) {
             let [Some(state), Some(next)] = &self.states[index..=index + 1] else { continue };
@@ -206,7 +206,7 @@ enum Neighbourhood<'a, const D: usize> {
     /// There is none: the time is solved alone.
     Alone,
     /// The time is that of a knot with this state.
-    At(&'a Displacement<D>),
+    Knot(&'a Displacement<D>),
     /// The displacement of the proximal term, and its weight.
-    Near(Displacement<D>, f64),
+    Proximal(Displacement<D>, f64),
 }
