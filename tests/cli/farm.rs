@@ -104,20 +104,8 @@ fn openjd_runs_the_template_to_the_bytes_of_a_single_run() {
     assert_eq!(bytes_in(&single.path("out")), bytes_in(&farm.path("out")));
 }
 
-/// Runs what is submitted at once, an array task by task, and prints a number as `sbatch --parsable` does.
-const SBATCH: &str = r#"#!/bin/bash
-set -e
-echo "$*" >> submitted.txt
-array=
-while [ "${1#--}" != "$1" ]; do
-  case "$1" in --array=*) array=${1#--array=} ;; esac
-  shift
-done
-export SLURM_JOB_ID=1
-if [ -z "$array" ]; then bash "$@" >> log.txt 2>&1
-else for task in $(seq "${array%-*}" "${array#*-}"); do SLURM_ARRAY_TASK_ID=$task bash "$@" >> log.txt 2>&1; done; fi
-echo "$(wc -l < submitted.txt);cluster"
-"#;
+/// Takes the place of `sbatch`.
+const SBATCH: &str = include_str!("../support/sbatch.sh");
 
 #[cfg(unix)]
 #[test]

@@ -70,6 +70,14 @@ def test_the_guide_runs(workplace):
     run_blocks(blocks, "docs/PYTHON.md")
 
 
+def test_the_python_of_the_tasks_runs(tmp_path, monkeypatch):
+    shutil.copytree(ROOT / "scenes", tmp_path / "scenes", ignore=shutil.ignore_patterns("out"))
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/GUIDE.md").read_text(), re.S)
+    assert len(blocks) == 2
+    run_blocks(blocks, "docs/GUIDE.md")
+
+
 def test_the_notebook_runs(workplace):
     notebook = json.loads((ROOT / "docs/python.ipynb").read_text())
     assert notebook["nbformat"] == 4
