@@ -501,7 +501,7 @@ impl<const D: usize> System<D> {
     /// Returns the pins with the points that they hold on the shape.
     fn held<'a>(&self, pins: &'a [PointPin<D>]) -> Cow<'a, [PointPin<D>]> {
         match &self.branching {
-            Some(branching) => pins.iter().map(|pin| branching.held(pin).0).collect(),
+            Some(branching) => pins.iter().map(|pin| branching.snapped_pin(pin).0).collect(),
             None => Cow::Borrowed(pins),
         }
     }
@@ -524,7 +524,7 @@ impl<const D: usize> System<D> {
 
     fn pin_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, pin: &PointPin<D>) -> f64 {
         if let (Some(branching), Some(branches)) = (&self.branching, branches) {
-            let (held, piece) = branching.held(pin);
+            let (held, piece) = branching.snapped_pin(pin);
             return distance(&branches.evaluate_in(branching.branch_of(piece), held.at), &held.target);
         }
         let target = pins::held_target(&self.grid, pin, &self.settings);

@@ -3,8 +3,9 @@
 //!
 //! In: problems at the times of the knots. Out: the states of the knots and the weights ω.
 //!
-//! A forward pass solves every knot from the state of the previous one. Block Gauss-Seidel sweeps, alternately backward and
-//! forward, then minimise the sum, so that the motion does not lag behind the pins. Long chains are solved in overlapping
+//! A forward pass solves every knot from the state of the previous one. Block Gauss-Seidel sweeps in red-black order then minimise
+//! the sum, so that the motion does not lag behind the pins: knots of one colour have fixed neighbours, so all of them are solved
+//! at once (Y. Saad, "Iterative Methods for Sparse Linear Systems", 2003, section 12.4.1). Long chains are solved in overlapping
 //! windows: the first half of a window becomes final, the second half is solved again with the knots that follow.
 //!
 //! ω_k starts as the user's weight. It is raised in two cases. Where the model moves farther between two knots than the motion of
@@ -12,7 +13,7 @@
 //! limit (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots jumps, ω is
 //! raised until it is continuous.
 
-use super::continuity::{CONVEX_FACTOR, JumpSearch, Probe};
+use super::continuity::{CONVEX_FACTOR, JumpSearch, Probe, Searched};
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
@@ -67,8 +68,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) weight: f64,
     /// Speed limit of each interval: largest move of a point, in units of the space.
     limits: Vec<f64>,
-    /// Whether the motion in each interval is known to be continuous with the present states and weight.
-    is_continuous: Vec<bool>,
+    /// What is known of the motion in each interval.
+    searched: Vec<Searched>,
     coupling: Coupling,
     /// Mean diagonal of the boxes.
     diagonal: f64,
@@ -98,7 +99,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             forward_count: 0,
             weight,
             limits: Vec::new(),
-            is_continuous: Vec::new(),
+            searched: Vec::new(),
             coupling: *coupling,
             diagonal,
             cancel,
@@ -121,7 +122,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             };
             self.weights.push(weight);
             self.limits.push(limit);
-            self.is_continuous.push(false);
+            self.searched.push(Searched::Never);
         }
     }
 
@@ -137,7 +138,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         let front = front.collect();
         drop(weights);
         self.limits.drain(..intervals);
-        self.is_continuous.drain(..intervals);
+        self.searched.drain(..intervals);
         self.forward_count -= count;
         self.removed_count += count;
         self.settled = 1;
@@ -196,17 +197,17 @@ impl<'a, const D: usize> Chain<'a, D> {
     fn settle(&mut self, first: usize, tolerance: f64) -> Result<(), SolveError> {
         let count = self.knots.len();
         let mut is_stale: Vec<bool> = (0..count).map(|index| index + 1 >= first).collect();
-        for sweep in 0..SWEEPS {
-            for step in 0..count {
-                let index = if sweep % 2 == 0 { count - 1 - step } else { step };
-                if !std::mem::take(&mut is_stale[index]) {
-                    continue;
+        for half_sweep in 0..2 * SWEEPS {
+            self.cancel.check()?;
+            let is_due = |index: &usize| index % 2 == half_sweep % 2 && std::mem::take(&mut is_stale[*index]);
+            let due: Vec<usize> = (0..count).filter(is_due).collect();
+            for (index, moved) in self.relax(&due)? {
+                if moved > TOLERANCE * self.diagonal {
+                    for interval in &mut self.searched[index.saturating_sub(1)..(index + 1).min(count - 1)] {
+                        *interval = (*interval).min(Searched::Before);
+                    }
                 }
-                let moved = self.relax(index)? / self.diagonal;
-                if moved > TOLERANCE {
-                    self.is_continuous[index.saturating_sub(1)..(index + 1).min(count - 1)].fill(false);
-                }
-                if moved > tolerance {
+                if moved > tolerance * self.diagonal {
                     is_stale[index.saturating_sub(1)..(index + 2).min(count)].fill(true);
                     is_stale[index] = false;
                 }
@@ -218,23 +219,23 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(())
     }
 
-    /// Minimises over one knot with its neighbours fixed; returns the largest move of its points.
-    fn relax(&mut self, index: usize) -> Result<f64, SolveError> {
-        let weight = self.weight_at(index);
-        if weight == 0.0 || index < self.settled {
-            return Ok(0.0);
+    /// Minimises over each of these knots, no two of which are neighbours, with all others fixed; returns them with the largest
+    /// move of their points.
+    fn relax(&mut self, due: &[usize]) -> Result<Vec<(usize, f64)>, SolveError> {
+        let mut taken: Vec<(usize, Option<Knot<D>>)> =
+            due.iter().map(|&index| (index, self.knots[index].take())).collect();
+        let (knots, weights, settled) = (&self.knots, &self.weights, self.settled);
+        let relaxed = taken.par_iter_mut().filter(|(index, _)| *index >= settled).map(|(index, knot)| {
+            let beside = [index.checked_sub(1), Some(*index)].map(|interval| interval.and_then(|k| weights.get(k)));
+            let states = [index.checked_sub(1), Some(*index + 1)].map(|index| state(knots, index));
+            let Some(knot) = knot else { return Ok((*index, 0.0)) };
+            Ok((*index, relax(knot, states, beside.map(|weight| weight.copied().unwrap_or(0.0)))?))
+        });
+        let moves = relaxed.collect();
+        for (index, knot) in taken {
+            self.knots[index] = knot;
         }
-        let share = self.weights.get(index).copied().unwrap_or(0.0) / weight;
-        let state = |index: Option<usize>| Some(&self.knots.get(index?)?.as_ref()?.displacement);
-        let drawn_to = match (state(index.checked_sub(1)), state(Some(index + 1))) {
-            (Some(before), Some(after)) => before.interpolated(after, share),
-            (Some(only), None) | (None, Some(only)) => only.clone(),
-            (None, None) => return Ok(0.0),
-        };
-        let Some(knot) = &mut self.knots[index] else { return Ok(0.0) };
-        let before = knot.displacement.clone();
-        knot.solve_proximal((&drawn_to.points, weight), Descent::Warm, self.cancel)?;
-        Ok(before.farthest(&knot.displacement))
+        moves
     }
 
     /// Raises the weights where the model moves too far between two knots and, if `searches`, where its motion jumps. Returns
@@ -277,12 +278,13 @@ impl<'a, const D: usize> Chain<'a, D> {
         if handles.max().is_some_and(|count| count > MAX_SEARCHED_HANDLES) {
             return self.weights.clone();
         }
-        let (knots, weights, is_known) = (&self.knots, &self.weights, &self.is_continuous);
+        let (knots, weights, searched) = (&self.knots, &self.weights, &self.searched);
         // Convexity at the knots is computed first, because both adjacent intervals use it.
         let at_knot = |(index, knot): (usize, &Option<Knot<D>>)| {
             let beside = [index.checked_sub(1), Some(index)].map(|interval| Some(*weights.get(interval?)?));
             let least = beside.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-            let is_new = [index.checked_sub(1), Some(index)].iter().flatten().any(|&k| is_known.get(k) == Some(&false));
+            let is_open = |&k: &usize| searched.get(k).is_some_and(|&searched| searched < Searched::Now);
+            let is_new = [index.checked_sub(1), Some(index)].iter().flatten().any(is_open);
             let knot = knot.as_ref().filter(|_| is_new && least > 0.0 && least < f64::INFINITY)?;
             let held = CONVEX_FACTOR * least;
             knot.is_convex(held, &Cancel::never()).then_some(held)
@@ -300,14 +302,9 @@ impl<'a, const D: usize> Chain<'a, D> {
             coupling: self.coupling,
             probe: self.probe,
         };
-        let intervals = self.is_continuous.par_iter().enumerate();
-        let weights = intervals.map(
-            |(index, &is_known)| {
-                if is_known { search.weights[index] } else { search.continuous_weight(index) }
-            },
-        );
-        let weights = weights.collect();
-        self.is_continuous.fill(true);
+        let intervals = self.searched.par_iter().enumerate();
+        let weights = intervals.map(|(index, &searched)| search.continuous_weight(index, searched)).collect();
+        self.searched.fill(Searched::Now);
         weights
     }
 
@@ -349,4 +346,29 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) drawing: i64,
     /// The weight of the interval that begins at the knot; `None` at the last knot.
     pub(crate) weight: Option<f64>,
+}
+
+/// The state of a knot; `None` if there is none.
+fn state<const D: usize>(knots: &[Option<Knot<D>>], index: Option<usize>) -> Option<&Displacement<D>> {
+    Some(&knots.get(index?)?.as_ref()?.displacement)
+}
+
+/// Minimises over a knot whose neighbours have these states and weights; returns the largest move of its points.
+fn relax<const D: usize>(
+    knot: &mut Knot<D>,
+    states: [Option<&Displacement<D>>; 2],
+    weights: [f64; 2],
+) -> Result<f64, SolveError> {
+    let weight = weights[0] + weights[1];
+    if weight == 0.0 {
+        return Ok(0.0);
+    }
+    let drawn_to = match states {
+        [Some(before), Some(after)] => before.interpolated(after, weights[1] / weight),
+        [Some(only), None] | [None, Some(only)] => only.clone(),
+        [None, None] => return Ok(0.0),
+    };
+    let before = knot.displacement.clone();
+    knot.solve_proximal((&drawn_to.points, weight), Descent::Warm, &Cancel::never())?;
+    Ok(before.farthest(&knot.displacement))
 }

@@ -3,17 +3,18 @@
 //! In: two knots, the weight of their interval, the problem at any time between them. Out: the weight with which no jump is
 //! found.
 //!
-//! The state halfway between two times is compared with the mean of the states at these times. For smooth motion the difference
-//! falls by a factor of four with every halving; at a jump of length J it stays J / 2, however short the interval (bisection: R.
-//! P. Brent, "Algorithms for Minimization without Derivatives", 1973).
+//! The state halfway between two times is compared with the mean of the states at these times, and with the parabola through
+//! three states of the interval one level up. For smooth motion the differences fall by factors of four and eight with every
+//! halving; at a jump of length J they stay J / 2 and at least 3 J / 8, however short the interval (bisection: R. P. Brent,
+//! "Algorithms for Minimization without Derivatives", 1973).
 
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
 
-/// Depth to which an interval is always bisected if a jump cannot be ruled out: a jump of all points could lie exactly in the
-/// middle.
+/// Depth to which an interval is bisected in its first search if a jump cannot be ruled out: a jump of all points could lie
+/// exactly in the middle.
 const MIN_DEPTH: u32 = 2;
 
 /// Largest depth of the bisection; motion that is still uneven there is a jump.
@@ -41,6 +42,17 @@ pub(super) fn weight_between(weight: f64, s: f64) -> f64 {
     2.0 * weight / (s * (1.0 - s))
 }
 
+/// What the search for jumps knows of an interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Searched {
+    /// Nothing.
+    Never,
+    /// Its motion was continuous with other states of its knots, or with a lower weight.
+    Before,
+    /// Its motion is continuous.
+    Now,
+}
+
 /// The motion between two knots.
 struct Interval<'a, const D: usize> {
     ends: [&'a Displacement<D>; 2],
@@ -66,34 +78,27 @@ impl<'a, const D: usize> Interval<'a, D> {
 
     /// Whether no jump is found between the knots with this weight.
     fn is_continuous(&mut self, weight: f64) -> bool {
-        let ends = self.ends.map(Clone::clone);
-        self.is_even([0.0, 1.0], &ends, weight, 0)
+        let [before, after] = self.ends;
+        self.is_even([0.0, 1.0], [before, after, before], weight, 0)
     }
 
-    /// Whether the motion between two times is even, or becomes so under bisection.
-    fn is_even(
-        &mut self,
-        [from, to]: [f64; 2],
-        [before, after]: &[Displacement<D>; 2],
-        weight: f64,
-        depth: u32,
-    ) -> bool {
-        let middle = f64::midpoint(from, to);
+    /// Whether the motion between two times is even, or becomes so under bisection. `states`: those of the two times, and that of
+    /// the far end of the interval one level up, of which the second time is the middle; at depth 0 there is none.
+    fn is_even(&mut self, times: [f64; 2], states: [&Displacement<D>; 3], weight: f64, depth: u32) -> bool {
+        let middle = f64::midpoint(times[0], times[1]);
         let Some(state) = self.state(middle, weight) else { return true };
-        let is_even = before.interpolated(after, 0.5).farthest(&state) < self.tolerance;
+        let [outer, inner, beyond] = states;
+        let mean = outer.interpolated(inner, 0.5);
+        // 3/8 outer + 3/4 inner - 1/8 beyond.
+        let parabola = || mean.interpolated(&inner.interpolated(beyond, -0.5), 0.25);
+        let is_near = |expected: &Displacement<D>| expected.farthest(&state) < self.tolerance;
+        let is_even = is_near(&mean) || depth > 0 && is_near(&parabola());
         if is_even && depth >= self.min_depth {
             return true;
         }
-        if depth >= MAX_DEPTH {
-            return false;
-        }
-        let halves = [([from, middle], [before.clone(), state.clone()]), ([middle, to], [state, after.clone()])];
-        for (times, states) in halves {
-            if !self.is_even(times, &states, weight, depth + 1) {
-                return false;
-            }
-        }
-        true
+        depth < MAX_DEPTH
+            && self.is_even([times[0], middle], [outer, &state, inner], weight, depth + 1)
+            && self.is_even([times[1], middle], [inner, &state, outer], weight, depth + 1)
     }
 
     /// The state at a fraction of the interval, computed as by [`super::Trajectory::solve_at`].
@@ -128,8 +133,11 @@ impl<const D: usize> JumpSearch<'_, D> {
     /// The weight of an interval, doubled until no jump is found in it; the initial weight if none is large enough, because the
     /// jump is in a region without points. The interval is not searched if the motion around it is steady and the energy is
     /// convex at both knots and halfway between them.
-    pub(super) fn continuous_weight(&self, index: usize) -> f64 {
+    pub(super) fn continuous_weight(&self, index: usize, searched: Searched) -> f64 {
         let initial = self.weights[index];
+        if searched == Searched::Now {
+            return initial;
+        }
         let [Some(knot), Some(next)] = &self.knots[index..=index + 1] else { return initial };
         // Motion between two drawings is discontinuous on purpose.
         if knot.drawing != next.drawing {
@@ -143,7 +151,8 @@ impl<const D: usize> JumpSearch<'_, D> {
         let probe = |part: f64| (self.probe)(times[0] + part * (times[1] - times[0]));
         let tolerance = JUMP_TOLERANCE * self.coupling.least_speed;
         let ends = [&knot.displacement, &next.displacement];
-        let mut interval = Interval::new(ends, &probe, tolerance, if is_convex { 0 } else { MIN_DEPTH });
+        let min_depth = if is_convex || searched == Searched::Before { 0 } else { MIN_DEPTH };
+        let mut interval = Interval::new(ends, &probe, tolerance, min_depth);
         let weight = |doublings: i32| initial * 2_f64.powi(doublings);
         let doublings = least_holding(DOUBLINGS, |doublings| interval.is_continuous(weight(doublings)));
         doublings.map_or(initial, weight)
