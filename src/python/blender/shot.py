@@ -84,6 +84,9 @@ def export(scene):
     own.hide_viewport = True
     try:
         options = {name: value for name, value in EXPORT.items() if name in known}
+        if bpy.app.version < (4, 3, 0):
+            # The exporter of Blender 4.2 fails at lights unless it also exports what KHR_animation_pointer animates.
+            options["export_pointer_animation"] = True
         bpy.ops.export_scene.gltf(filepath=str(place / "scene.glb"), **options)
     finally:
         own.hide_viewport = hidden
