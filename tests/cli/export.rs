@@ -262,7 +262,7 @@ fn cards_get_lattice_objects_and_what_has_depth_is_baked() {
         ("cells", cards.json(), cells, 1, "a lattice object of 5 x 4 x 1 points", 0),
         ("card", far.json(), plain.clone(), 1, "a lattice object of 4 x 4 x 1 points", 0),
         ("depth", sheet(), plain, 0, "baked shape keys, no lattice: in frame 1 its vertices", 0),
-        ("bernstein", cards.json(), bernstein, 0, "no Bernstein polynomials", 0),
+        ("bernstein", cards.json(), bernstein, 0, "do not support Bernstein polynomials", 0),
         ("early", cards.json(), early, 1, "48 later than the shot's", 48),
     ];
     for (name, scene, shot, modifiers, says, later) in cases {
