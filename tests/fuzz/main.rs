@@ -164,7 +164,8 @@ survives!(
 /// Files on which coverage-guided fuzzing (`.ci/fuzz`) found a fault that has been fixed, in a folder for each target.
 #[test]
 fn cases_found_before_are_survived() {
-    let readers: [(&str, &str, fn(&Path) -> bool); 7] = [
+    type Reader = fn(&Path) -> bool;
+    let readers: [(&str, &str, Reader); 7] = [
         ("shot", "toml", readers::read_shot),
         ("lattice", "json", readers::read_lattice),
         ("landmarks", "json", readers::read_pairs),
