@@ -13,7 +13,7 @@
 //! limit (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots jumps, ω is
 //! raised until it is continuous.
 
-use super::continuity::{CONVEX_FACTOR, JumpSearch, Probe, Searched};
+use super::continuity::{CONVEX_FACTOR, JumpSearch, Probe, Searched, state};
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
@@ -168,7 +168,7 @@ impl<'a, const D: usize> Chain<'a, D> {
     fn pass_forward(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
         for index in self.forward_count..self.knots.len() {
             passed();
-            let weight = self.weight_at(index);
+            let weight = weights_beside(&self.weights, index).iter().sum();
             let (before, rest) = self.knots.split_at_mut(index);
             let Some(knot) = &mut rest[0] else { continue };
             match before.last() {
@@ -184,12 +184,6 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
         self.forward_count = self.knots.len();
         Ok(())
-    }
-
-    /// Sum of the weights of the two intervals beside a knot.
-    fn weight_at(&self, index: usize) -> f64 {
-        let before = if index > 0 { self.weights[index - 1] } else { 0.0 };
-        before + self.weights.get(index).copied().unwrap_or(0.0)
     }
 
     /// Sweeps until no knot moves by more than `tolerance` box diagonals. Knots before `first - 1` are solved only if a neighbour
@@ -226,10 +220,9 @@ impl<'a, const D: usize> Chain<'a, D> {
             due.iter().map(|&index| (index, self.knots[index].take())).collect();
         let (knots, weights, settled) = (&self.knots, &self.weights, self.settled);
         let relaxed = taken.par_iter_mut().filter(|(index, _)| *index >= settled).map(|(index, knot)| {
-            let beside = [index.checked_sub(1), Some(*index)].map(|interval| interval.and_then(|k| weights.get(k)));
             let states = [index.checked_sub(1), Some(*index + 1)].map(|index| state(knots, index));
             let Some(knot) = knot else { return Ok((*index, 0.0)) };
-            Ok((*index, relax(knot, states, beside.map(|weight| weight.copied().unwrap_or(0.0)))?))
+            Ok((*index, relax(knot, states, weights_beside(weights, *index))?))
         });
         let moves = relaxed.collect();
         for (index, knot) in taken {
@@ -348,9 +341,10 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) weight: Option<f64>,
 }
 
-/// The state of a knot; `None` if there is none.
-fn state<const D: usize>(knots: &[Option<Knot<D>>], index: Option<usize>) -> Option<&Displacement<D>> {
-    Some(&knots.get(index?)?.as_ref()?.displacement)
+/// The weights of the intervals before and after a knot; 0 where there is none.
+fn weights_beside(weights: &[f64], index: usize) -> [f64; 2] {
+    let weight = |interval: Option<usize>| interval.and_then(|interval| weights.get(interval)).copied().unwrap_or(0.0);
+    [weight(index.checked_sub(1)), weight(Some(index))]
 }
 
 /// Minimises over a knot whose neighbours have these states and weights; returns the largest move of its points.

@@ -160,8 +160,7 @@ impl<const D: usize> JumpSearch<'_, D> {
 
     /// Whether the speed hardly changes at both ends of an interval.
     fn is_steady(&self, index: usize) -> bool {
-        let state = |index: Option<usize>| Some(&self.knots.get(index?)?.as_ref()?.displacement);
-        let is_steady = |at: usize| match [at.checked_sub(1), Some(at), Some(at + 1)].map(state) {
+        let is_steady = |at: usize| match [at.checked_sub(1), Some(at), Some(at + 1)].map(|at| state(self.knots, at)) {
             [Some(before), Some(here), Some(after)] => {
                 2.0 * before.interpolated(after, 0.5).farthest(here) < STEADY * self.coupling.least_speed
             }
@@ -169,6 +168,11 @@ impl<const D: usize> JumpSearch<'_, D> {
         };
         is_steady(index) && is_steady(index + 1)
     }
+}
+
+/// The state of a knot; `None` if there is none.
+pub(super) fn state<const D: usize>(knots: &[Option<Knot<D>>], index: Option<usize>) -> Option<&Displacement<D>> {
+    Some(&knots.get(index?)?.as_ref()?.displacement)
 }
 
 /// The least number from 0 to `limit` that holds, if all above it do; `None` if `limit` does not. Galloping, then bisection.
