@@ -39,6 +39,7 @@ impl<const D: usize> Trajectory<D> {
         }
         out.count(self.weights.len());
         out.floats(&self.weights);
+        out.floats(&self.interior_weights);
         out.count(self.spreads.len());
         self.spreads.iter().for_each(|spread| out.floats(&[spread.frames[0], spread.frames[1], spread.speed]));
         out.0
@@ -60,11 +61,11 @@ impl<const D: usize> Trajectory<D> {
         let knots: Option<Vec<_>> =
             (0..rest.count(2)?).map(|_| Some((rest.word()?.cast_signed(), rest.state()?))).collect();
         let (drawings, states): (Vec<i64>, Vec<_>) = knots?.into_iter().unzip();
-        let weights = rest.count(1)?;
-        let weights = rest.floats(weights)?;
+        let intervals = rest.count(2)?;
+        let [weights, interior_weights] = [rest.floats(intervals)?, rest.floats(intervals)?];
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
         let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
-        is_whole.then_some(Self { coupling, states, drawings, weights, weight, spreads: spreads? })
+        is_whole.then_some(Self { coupling, states, drawings, weights, interior_weights, weight, spreads: spreads? })
     }
 }
 
@@ -162,6 +163,7 @@ mod tests {
             states: vec![Some(state(1.0 / 3.0)), None, Some(branching), Some(state(0.1))],
             drawings: vec![3, -1, i64::MAX, 0],
             weights: vec![0.0, 0.0, 12.5],
+            interior_weights: vec![0.0, 0.0, 200.0],
             weight: 0.6,
             spreads: vec![Spread { frames: [2.5, 3.0], speed: 0.01 }],
         }

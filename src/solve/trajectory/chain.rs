@@ -8,12 +8,11 @@
 //! at once (Y. Saad, "Iterative Methods for Sparse Linear Systems", 2003, section 12.4.1). Long chains are solved in overlapping
 //! windows: the first half of a window becomes final, the second half is solved again with the knots that follow.
 //!
-//! ω_k starts as the user's weight. It is raised in two cases. Where the model moves farther between two knots than the motion of
-//! pins, surface and rigid fit allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed
-//! limit (J. Nocedal and S. Wright, "Numerical Optimization", 2006, section 17.4). Where the motion between two knots jumps, ω is
-//! raised until it is continuous.
+//! ω_k starts as the user's weight. Where the model moves farther between two knots than the motion of pins, surface and rigid fit
+//! allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed limit (J. Nocedal and S. Wright,
+//! "Numerical Optimization", 2006, section 17.4).
 
-use super::continuity::{CONVEX_FACTOR, JumpSearch, Probe, Searched, state};
+use super::continuity::SearchDepth;
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
@@ -40,9 +39,16 @@ const COARSE_TOLERANCE: f64 = 3e-4;
 /// Smallest ratio of a weight to those of the neighbouring intervals.
 const TAPER: f64 = 0.5;
 
-/// Lattices with more handles are not searched for jumps: one solve takes a large part of a second, and an interval may need a
-/// hundred.
+/// Motion in intervals of lattices with more handles is not searched for jumps: one solve takes a large part of a second, and an
+/// interval may need a hundred.
 const MAX_SEARCHED_HANDLES: usize = 1500;
+
+/// Multiple of an interval's weight with which the energy has to be convex at three states of the interval for it not to be
+/// searched for jumps. The proximal term inside an interval has at least eight times the weight of the interval.
+const CONVEX_FACTOR: f64 = 2.0;
+
+/// The motion is steady where its speed changes by less than this from knot to knot, in units of the least speed.
+const STEADY: f64 = 2.0;
 
 /// Largest weight that exceeding the speed limit can cause, as a multiple of the initial weight. Where the model still moves too
 /// far with this weight, the points do not capture its motion.
@@ -54,10 +60,6 @@ const GROWTH: [f64; 2] = [1.5, 30.0];
 /// A window of knots, coupled by the weights of the intervals between them.
 pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
-    /// Number of knots already removed by [`Self::take_front`].
-    removed_count: usize,
-    /// Builds the unsolved knot of a time; `None` if there is no problem at that time.
-    probe: Probe<'a, D>,
     /// ω of each interval, per squared unit of the space.
     pub(crate) weights: Vec<f64>,
     /// Number of leading knots that are final: 0 in the first window, then 1, the last knot of the previous window.
@@ -68,8 +70,6 @@ pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) weight: f64,
     /// Speed limit of each interval: largest move of a point, in units of the space.
     limits: Vec<f64>,
-    /// What is known of the motion in each interval.
-    searched: Vec<Searched>,
     coupling: Coupling,
     /// Mean diagonal of the boxes.
     diagonal: f64,
@@ -79,12 +79,7 @@ pub(crate) struct Chain<'a, const D: usize> {
 
 impl<'a, const D: usize> Chain<'a, D> {
     /// Creates the first window of knots; nothing is solved yet.
-    pub(crate) fn new(
-        knots: Vec<Option<Knot<D>>>,
-        probe: Probe<'a, D>,
-        coupling: &Coupling,
-        cancel: &'a Cancel<'a>,
-    ) -> Self {
+    pub(crate) fn new(knots: Vec<Option<Knot<D>>>, coupling: &Coupling, cancel: &'a Cancel<'a>) -> Self {
         let diagonals = knots.iter().flatten().map(|knot| knot.grid().diagonal());
         let (sum, count) = diagonals.fold((0.0, 0.0), |(sum, count), diagonal| (sum + diagonal, count + 1.0));
         let diagonal: f64 = if count > 0.0 { sum / count } else { 1.0 };
@@ -92,14 +87,11 @@ impl<'a, const D: usize> Chain<'a, D> {
         let weight = coupling.weight * per_frame / diagonal.powi(2);
         let mut chain = Self {
             knots: Vec::new(),
-            removed_count: 0,
-            probe,
             weights: Vec::new(),
             settled: 0,
             forward_count: 0,
             weight,
             limits: Vec::new(),
-            searched: Vec::new(),
             coupling: *coupling,
             diagonal,
             cancel,
@@ -122,25 +114,23 @@ impl<'a, const D: usize> Chain<'a, D> {
             };
             self.weights.push(weight);
             self.limits.push(limit);
-            self.searched.push(Searched::Never);
         }
     }
 
     /// Removes the first `count` knots and the intervals that begin at them. The first remaining knot becomes final.
     pub(crate) fn take_front(&mut self, count: usize) -> Vec<SettledKnot<D>> {
         let intervals = count.min(self.weights.len());
+        let mut depths = self.search_depths(intervals).into_iter();
         let mut weights = self.weights.drain(..intervals);
         let front = self.knots.drain(..count).map(|knot| SettledKnot {
             drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
             state: knot.map(|knot| knot.displacement),
-            weight: weights.next(),
+            interval: weights.next().zip(depths.next()),
         });
         let front = front.collect();
         drop(weights);
         self.limits.drain(..intervals);
-        self.searched.drain(..intervals);
         self.forward_count -= count;
-        self.removed_count += count;
         self.settled = 1;
         front
     }
@@ -152,7 +142,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         self.settle(first, TOLERANCE)?;
         let mut tolerance = TOLERANCE;
         for _ in 0..MAX_WEIGHT_UPDATES {
-            if self.raise_weights(tolerance == TOLERANCE) {
+            if self.raise_weights() {
                 tolerance = COARSE_TOLERANCE;
             } else if tolerance == TOLERANCE {
                 return Ok(());
@@ -196,11 +186,6 @@ impl<'a, const D: usize> Chain<'a, D> {
             let is_due = |index: &usize| index % 2 == half_sweep % 2 && std::mem::take(&mut is_stale[*index]);
             let due: Vec<usize> = (0..count).filter(is_due).collect();
             for (index, moved) in self.relax(&due)? {
-                if moved > TOLERANCE * self.diagonal {
-                    for interval in &mut self.searched[index.saturating_sub(1)..(index + 1).min(count - 1)] {
-                        *interval = (*interval).min(Searched::Before);
-                    }
-                }
                 if moved > tolerance * self.diagonal {
                     is_stale[index.saturating_sub(1)..(index + 2).min(count)].fill(true);
                     is_stale[index] = false;
@@ -231,9 +216,8 @@ impl<'a, const D: usize> Chain<'a, D> {
         moves
     }
 
-    /// Raises the weights where the model moves too far between two knots and, if `searches`, where its motion jumps. Returns
-    /// true if any weight has changed.
-    fn raise_weights(&mut self, searches: bool) -> bool {
+    /// Raises the weights where the model moves too far between two knots. Returns true if any weight has changed.
+    fn raise_weights(&mut self) -> bool {
         let excess: Vec<f64> = (0..self.weights.len()).map(|index| self.excess(index)).collect();
         let mut raised = self.weights.clone();
         for (index, &excess) in excess.iter().enumerate().filter(|(_, excess)| **excess > 1.0) {
@@ -241,11 +225,6 @@ impl<'a, const D: usize> Chain<'a, D> {
             let weight = wanted.min(MAX_SPEED_WEIGHT_FACTOR * self.weight);
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
-        }
-        if searches {
-            for (slot, continuous) in raised.iter_mut().zip(self.continuous_weights()) {
-                *slot = slot.max(continuous);
-            }
         }
         self.taper(&mut raised);
         let is_raised = raised != self.weights;
@@ -264,41 +243,37 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// The weights of all intervals, each doubled until no jump is found between its knots; unchanged if the lattice is too fine
-    /// for the search.
-    fn continuous_weights(&mut self) -> Vec<f64> {
+    /// How the first `count` intervals are searched for jumps. None are where the lattice is too fine for the search.
+    fn search_depths(&self, count: usize) -> Vec<SearchDepth> {
         let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
         if handles.max().is_some_and(|count| count > MAX_SEARCHED_HANDLES) {
-            return self.weights.clone();
+            return vec![SearchDepth::Unsearched; count];
         }
-        let (knots, weights, searched) = (&self.knots, &self.weights, &self.searched);
-        // Convexity at the knots is computed first, because both adjacent intervals use it.
-        let at_knot = |(index, knot): (usize, &Option<Knot<D>>)| {
-            let beside = [index.checked_sub(1), Some(index)].map(|interval| Some(*weights.get(interval?)?));
-            let least = beside.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-            let is_open = |&k: &usize| searched.get(k).is_some_and(|&searched| searched < Searched::Now);
-            let is_new = [index.checked_sub(1), Some(index)].iter().flatten().any(is_open);
-            let knot = knot.as_ref().filter(|_| is_new && least > 0.0 && least < f64::INFINITY)?;
-            let held = CONVEX_FACTOR * least;
-            knot.is_convex(held, &Cancel::never()).then_some(held)
+        let (knots, weights) = (&self.knots, &self.weights);
+        // Both adjacent intervals use what is known of a knot.
+        let at_knot = |index: usize| {
+            let coupled = weights_beside(weights, index).into_iter().filter(|&weight| weight > 0.0);
+            let least = coupled.min_by(f64::total_cmp);
+            least.zip(knots[index].as_ref()).is_none_or(|(weight, knot)| knot.is_convex(CONVEX_FACTOR * weight))
         };
-        let found: Vec<Option<f64>> = knots.par_iter().enumerate().map(at_knot).collect();
-        for (knot, held) in self.knots.iter_mut().zip(found) {
-            if let (Some(knot), Some(held)) = (knot, held) {
-                knot.note_convex(held);
+        let is_convex_at: Vec<bool> = (0..knots.len().min(count + 1)).into_par_iter().map(at_knot).collect();
+        let least_speed = self.coupling.least_speed;
+        let depth = |index: usize| {
+            let [Some(knot), Some(next)] = &knots[index..=index + 1] else { return SearchDepth::Unsearched };
+            // Motion between two drawings is discontinuous on purpose.
+            if knot.drawing != next.drawing {
+                return SearchDepth::Unsearched;
             }
-        }
-        let search = JumpSearch {
-            knots: &self.knots,
-            weights: &self.weights,
-            removed_count: self.removed_count,
-            coupling: self.coupling,
-            probe: self.probe,
+            let is_convex = is_convex_at[index]
+                && is_convex_at[index + 1]
+                && knot.is_convex_halfway(next, CONVEX_FACTOR * weights[index]);
+            match (is_convex, is_steady(knots, index, least_speed)) {
+                (false, _) => SearchDepth::Deep,
+                (true, false) => SearchDepth::Shallow,
+                (true, true) => SearchDepth::Unsearched,
+            }
         };
-        let intervals = self.searched.par_iter().enumerate();
-        let weights = intervals.map(|(index, &searched)| search.continuous_weight(index, searched)).collect();
-        self.searched.fill(Searched::Now);
-        weights
+        (0..count).into_par_iter().map(depth).collect()
     }
 
     /// Ratio of the motion in an interval to its speed limit.
@@ -337,8 +312,24 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) state: Option<Displacement<D>>,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
-    /// The weight of the interval that begins at the knot; `None` at the last knot.
-    pub(crate) weight: Option<f64>,
+    /// The weight of the interval that begins at the knot, and how it is searched for jumps; `None` at the last knot.
+    pub(crate) interval: Option<(f64, SearchDepth)>,
+}
+
+/// Whether the speed hardly changes at both ends of an interval.
+fn is_steady<const D: usize>(knots: &[Option<Knot<D>>], index: usize, least_speed: f64) -> bool {
+    let is_steady = |at: usize| match [at.checked_sub(1), Some(at), Some(at + 1)].map(|at| state(knots, at)) {
+        [Some(before), Some(here), Some(after)] => {
+            2.0 * before.interpolated(after, 0.5).farthest(here) < STEADY * least_speed
+        }
+        _ => true,
+    };
+    is_steady(index) && is_steady(index + 1)
+}
+
+/// The state of a knot; `None` if there is none.
+fn state<const D: usize>(knots: &[Option<Knot<D>>], index: Option<usize>) -> Option<&Displacement<D>> {
+    Some(&knots.get(index?)?.as_ref()?.displacement)
 }
 
 /// The weights of the intervals before and after a knot; 0 where there is none.

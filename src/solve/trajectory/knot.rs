@@ -33,8 +33,6 @@ pub(crate) struct Knot<const D: usize> {
     is_resting: bool,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
-    /// Smallest proximal weight with which the energy is known to be convex at the present state.
-    convex_from: f64,
     /// The state.
     pub(crate) displacement: Displacement<D>,
 }
@@ -44,6 +42,12 @@ pub(crate) struct Knot<const D: usize> {
 struct RigidImage<const D: usize> {
     handles: Vec<[f64; D]>,
     points: Vec<[f64; D]>,
+}
+
+/// A proximal term: it draws the displacements of the points to given ones.
+pub(crate) struct Proximal<const D: usize> {
+    pub(crate) displacement: Displacement<D>,
+    pub(crate) weight: f64,
 }
 
 /// How a solve starts.
@@ -77,7 +81,7 @@ impl<const D: usize> Knot<D> {
             points: vec![[0.0; D]; rigid.points.len()],
         };
         let factor = CachedFactor::default();
-        Ok(Self { system, path, points, rigid, factor, is_resting, drawing, convex_from: f64::INFINITY, displacement })
+        Ok(Self { system, path, points, rigid, factor, is_resting, drawing, displacement })
     }
 
     pub(crate) fn grid(&self) -> &Grid<D> {
@@ -131,6 +135,20 @@ impl<const D: usize> Knot<D> {
         Ok(result)
     }
 
+    /// Solves a time between knots, from the displacements of the proximal term. Rest stays rest exactly.
+    pub(crate) fn solve_between(
+        &mut self,
+        proximal: &Proximal<D>,
+        cancel: &Cancel,
+    ) -> Result<MinimizationResult<D>, SolveError> {
+        let Proximal { displacement, weight } = proximal;
+        if self.rests_at(displacement) {
+            return Ok(self.at(displacement));
+        }
+        self.start_from(displacement);
+        self.solve_proximal((&displacement.points, *weight), Descent::Cold, cancel)
+    }
+
     /// Solves from the current state with a proximal term of this weight towards the given displacements of the points.
     pub(crate) fn solve_proximal(
         &mut self,
@@ -154,7 +172,7 @@ impl<const D: usize> Knot<D> {
     }
 
     /// Whether pins, handles and the given state are all at rest.
-    pub(crate) fn rests_at(&self, state: &Displacement<D>) -> bool {
+    fn rests_at(&self, state: &Displacement<D>) -> bool {
         self.is_resting && state.points.iter().chain(&state.handles).all(|by| *by == [0.0; D])
     }
 
@@ -169,29 +187,20 @@ impl<const D: usize> Knot<D> {
     }
 
     /// Whether the energy with a proximal term of this weight is convex at the present state.
-    pub(crate) fn is_convex(&self, weight: f64, cancel: &Cancel) -> bool {
-        weight >= self.convex_from || self.system.is_convex(&self.handles(), weight, cancel)
+    pub(crate) fn is_convex(&self, weight: f64) -> bool {
+        self.system.is_convex(&self.handles(), weight, &Cancel::never())
     }
 
-    /// Whether the energy with this weight is convex at both knots, and here at the mean of their states.
-    pub(crate) fn is_convex_up_to(&self, next: &Self, weight: f64) -> bool {
-        let never = Cancel::never();
-        let halfway = || self.displacement.interpolated(&self.transferred(&next.displacement), 0.5).handles;
-        self.is_convex(weight, &never)
-            && next.is_convex(weight, &never)
-            && self.system.is_convex(&self.displaced(&halfway()), weight, &never)
-    }
-
-    /// Records that the energy with this weight is convex at the present state.
-    pub(crate) fn note_convex(&mut self, weight: f64) {
-        self.convex_from = self.convex_from.min(weight);
+    /// Same as [`Self::is_convex`], at the mean of this state and that of the next knot.
+    pub(crate) fn is_convex_halfway(&self, next: &Self, weight: f64) -> bool {
+        let halfway = self.displacement.interpolated(&self.transferred(&next.displacement), 0.5).handles;
+        self.system.is_convex(&self.displaced(&halfway), weight, &Cancel::never())
     }
 
     /// Sets the state to the solved handles. If all pins rest and all points are near rest, the state becomes rest exactly, which
     /// is the global minimum: a moving neighbour would otherwise draw it away by fractions of a pixel. Points are farther from
     /// rest only where the model has been wound around, or a snap is spread over the knot.
     fn set_state(&mut self, handles: &[[f64; D]]) {
-        self.convex_from = f64::INFINITY;
         let points = self.system.point_images(handles);
         let by = |images: &[[f64; D]], rigid: &[[f64; D]]| images.iter().zip(rigid).map(|(a, b)| minus(a, b)).collect();
         self.displacement.handles = by(handles, &self.rigid.handles);

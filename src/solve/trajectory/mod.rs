@@ -20,9 +20,9 @@ use super::report::Solution;
 use super::settings::Settings;
 use super::targets::Targets;
 use chain::Chain;
-use continuity::weight_between;
+use continuity::{Interval, SearchDepth};
 use displacement::Displacement;
-use knot::{Descent, Knot};
+use knot::{Knot, Proximal};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -40,8 +40,10 @@ pub struct Trajectory<const D: usize> {
     states: Vec<Option<Displacement<D>>>,
     /// Drawing that each knot belongs to.
     drawings: Vec<i64>,
-    /// ω of each interval, per squared unit of the space.
+    /// ω of each interval, per squared unit of the space: it couples the knots at its ends.
     weights: Vec<f64>,
+    /// Weight of the proximal term within each interval: ω, or more where the motion would jump.
+    interior_weights: Vec<f64>,
     /// ω of intervals whose weight was not raised.
     weight: f64,
     /// Runs of intervals whose weight was raised.
@@ -69,7 +71,8 @@ impl<const D: usize> Trajectory<D> {
     {
         let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
         let parts = AtomicUsize::new(0);
-        let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), 2 * count);
+        // Every knot is built and solved, every interval searched.
+        let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), (3 * count).saturating_sub(1));
         let knot_at = |time: f64| -> Result<Option<Knot<D>>, T::Error> {
             let Some(problem) = timeline.at(time)? else { return Ok(None) };
             Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
@@ -79,14 +82,12 @@ impl<const D: usize> Trajectory<D> {
             part_done();
             knot
         };
-        // A problem that cannot be built between two knots is reported when its own frame is solved.
-        let probe = |time: f64| knot_at(time).ok().flatten();
         let build = |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> {
             if timeline.is_light() { range.into_par_iter().map(build).collect() } else { range.map(build).collect() }
         };
         let window = timeline.window().max(MIN_WINDOW);
         let mut end = window.min(count);
-        let mut chain = Chain::new(build(0..end)?, &probe, &coupling, cancel);
+        let mut chain = Chain::new(build(0..end)?, &coupling, cancel);
         let mut done = Vec::new();
         loop {
             chain.solve(&part_done)?;
@@ -100,10 +101,42 @@ impl<const D: usize> Trajectory<D> {
         }
         let weight = chain.weight;
         done.extend(chain.take_front(chain.knots.len()));
-        let weights = done.iter().filter_map(|knot| knot.weight).collect();
+        let (weights, depths): (Vec<f64>, Vec<SearchDepth>) = done.iter().filter_map(|knot| knot.interval).unzip();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
-        let trajectory = Self { coupling, states, drawings, weights, weight, spreads: Vec::new() };
-        Ok(Self { spreads: trajectory.find_spreads(), ..trajectory })
+        let interior_weights = weights.clone();
+        let mut trajectory =
+            Self { coupling, states, drawings, weights, interior_weights, weight, spreads: Vec::new() };
+        trajectory.spreads = trajectory.find_spreads();
+        // A problem that cannot be built between two knots is reported when its own frame is solved.
+        let probe = |time: f64| knot_at(time).ok().flatten();
+        trajectory.interior_weights = trajectory.continuous_weights(&depths, &probe, &part_done, cancel)?;
+        Ok(trajectory)
+    }
+
+    /// The weight within each interval with which no jump is found there.
+    fn continuous_weights(
+        &self,
+        depths: &[SearchDepth],
+        probe: &(dyn Fn(f64) -> Option<Knot<D>> + Sync),
+        part_done: &(dyn Fn() + Sync),
+        cancel: &Cancel,
+    ) -> Result<Vec<f64>, SolveError> {
+        let search = |(index, depth): (usize, SearchDepth)| {
+            let weight = match depth {
+                SearchDepth::Unsearched => self.weights[index],
+                depth => Interval::new(self, index, depth, &probe).continuous_weight(),
+            };
+            part_done();
+            weight
+        };
+        let intervals: Vec<_> = depths.iter().copied().enumerate().collect();
+        let mut weights = Vec::with_capacity(intervals.len());
+        // Cancellation is polled by this thread alone.
+        for some in intervals.chunks(rayon::current_num_threads()) {
+            cancel.check()?;
+            weights.extend(some.par_iter().copied().map(search).collect::<Vec<f64>>());
+        }
+        Ok(weights)
     }
 
     /// Number of knots with a state.
@@ -142,18 +175,13 @@ impl<const D: usize> Trajectory<D> {
         match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
             Neighbourhood::Knot(state) => Ok(knot.at(state)),
-            Neighbourhood::Proximal(state, _) if knot.rests_at(&state) => Ok(knot.at(&state)),
-            Neighbourhood::Proximal(state, weight) => {
-                knot.start_from(&state);
-                knot.solve_proximal((&state.points, weight), Descent::Cold, cancel)
-            }
+            Neighbourhood::Proximal(proximal) => knot.solve_between(&proximal, cancel),
         }
     }
 
-    /// The knots that determine the state at a time. Between two knots it minimises ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1
-    /// − s)), s the fraction of the interval that has passed. Twice that is, up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 −
-    /// s) d_k − s d_{k+1}‖². Before the first knot, after the last, beside a gap, and where only one neighbour has the same
-    /// drawing, the proximal term has a single knot and a weight inversely proportional to the distance from it.
+    /// The knots that determine the state at a time. Before the first knot, after the last, beside a gap, and where only one
+    /// neighbour has the same drawing, the proximal term has a single knot and a weight inversely proportional to the distance
+    /// from it.
     fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
         let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
         let last = self.states.len() as f64 - 1.0;
@@ -167,15 +195,60 @@ impl<const D: usize> Trajectory<D> {
             (None, None) => (self.state(before), self.state(after)),
             own => own,
         };
+        let single = |state: &Displacement<D>, distance: f64| {
+            Neighbourhood::Proximal(Proximal { displacement: state.clone(), weight: self.weight / distance })
+        };
         match pair {
-            (Some(from), Some(to)) => {
-                let s = place - before;
-                Neighbourhood::Proximal(from.interpolated(to, s), weight_between(self.weights[before as usize], s))
+            (Some(_), Some(_)) => {
+                let interval = before as usize;
+                let proximal = self.proximal(interval, place - before, self.interior_weights[interval]);
+                proximal.map_or(Neighbourhood::Alone, Neighbourhood::Proximal)
             }
-            (Some(only), None) => Neighbourhood::Proximal(only.clone(), self.weight / (place - before)),
-            (None, Some(only)) => Neighbourhood::Proximal(only.clone(), self.weight / (after - place)),
+            (Some(only), None) => single(only, place - before),
+            (None, Some(only)) => single(only, after - place),
             (None, None) => Neighbourhood::Alone,
         }
+    }
+
+    /// The time at the fraction `s` of an interval, in frames.
+    fn time(&self, interval: usize, s: f64) -> f64 {
+        self.coupling.knot_time(interval) + s / f64::from(self.coupling.knots_per_frame)
+    }
+
+    /// The proximal term at the fraction `s` of an interval, for an interior weight ω'. With ω' = ω the state minimises
+    /// ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), which is, twice and up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 −
+    /// s) d_k − s d_{k+1}‖². Half of the energy of a time counts for each side, as in the trapezoidal rule, so that the motion has
+    /// no kinks at knots. With a larger ω' the velocities at the knots stay the same, because the straight line between the knots
+    /// becomes a cubic: docs/METHOD.md, "Time". Returns `None` if a knot has no state.
+    fn proximal(&self, interval: usize, s: f64, weight: f64) -> Option<Proximal<D>> {
+        let [Some(from), Some(to)] = &self.states[interval..=interval + 1] else { return None };
+        let mut displacement = from.interpolated(to, s);
+        let cubic = 1.0 - self.weights[interval] / weight;
+        if cubic > 0.0 {
+            let [before, after] = [interval.checked_sub(1), Some(interval + 1)].map(|index| self.tie(index, interval));
+            for (index, point) in displacement.points.iter_mut().enumerate() {
+                for d in 0..D {
+                    let chord = to.points[index][d] - from.points[index][d];
+                    // Velocities at the knots, from the line between them.
+                    let [start, end] = [before, after].map(|beside| {
+                        let beside =
+                            beside.map_or(0.0, |(ratio, [a, b])| ratio * (b.points[index][d] - a.points[index][d]));
+                        f64::midpoint(chord, beside) - chord
+                    });
+                    point[d] += cubic * s * (1.0 - s) * ((1.0 - s) * start - s * end);
+                }
+            }
+        }
+        Some(Proximal { displacement, weight: 2.0 * weight / (s * (1.0 - s)) })
+    }
+
+    /// The knots of an interval beside another one, and the ratio of its weight to that of the other; `None` if they are not of
+    /// the same drawing.
+    fn tie(&self, interval: Option<usize>, other: usize) -> Option<(f64, [&Displacement<D>; 2])> {
+        let index = interval.filter(|&index| index < self.weights.len())?;
+        let [Some(from), Some(to)] = &self.states[index..=index + 1] else { return None };
+        let is_one_drawing = self.drawings[index] == self.drawings[index + 1];
+        is_one_drawing.then(|| (self.weights[index] / self.weights[other], [from, to]))
     }
 
     /// Runs of intervals whose weight was raised.
@@ -207,6 +280,6 @@ enum Neighbourhood<'a, const D: usize> {
     Alone,
     /// The time is that of a knot with this state.
     Knot(&'a Displacement<D>),
-    /// The displacement of the proximal term, and its weight.
-    Proximal(Displacement<D>, f64),
+    /// The time is solved with this proximal term.
+    Proximal(Proximal<D>),
 }
