@@ -31,7 +31,7 @@ pub(super) fn run(args: &PickArgs) -> anyhow::Result<Outcome> {
     let layer = args.layer.as_deref().or(owner);
     let name = args.write.as_deref().unwrap_or("pin");
     match (&args.write, layer) {
-        (None, _) => write!(std::io::stdout(), "{}", edit::pin_block(name, &anchor))?,
+        (None, _) => write!(std::io::stdout(), "{}", edit::pin_block(name, &anchor, prepared.shot.frames.first))?,
         (Some(_), None) => {
             bail!("no layer claims node '{node}'; add it to a layer's `nodes` or name a layer with --layer")
         }

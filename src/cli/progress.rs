@@ -5,7 +5,6 @@
 use super::outcome::OutputCutOff;
 use super::warnings::kind_of;
 use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, Summary, WarpEvent, WarpSummary};
-use crate::plate::Holes;
 use crate::solve::Spread;
 use crate::spelling::pluralised;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -36,8 +35,6 @@ pub(super) struct EventPrinter {
     form: ProgressForm,
     bar: ProgressBar,
     begun: Instant,
-    /// How a warp fills its holes.
-    holes: Holes,
     printed: Mutex<BTreeMap<String, usize>>,
     /// The first error of printing JSON.
     failed: Mutex<Option<io::Error>>,
@@ -54,19 +51,7 @@ impl EventPrinter {
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Self {
-            form,
-            bar,
-            begun: Instant::now(),
-            holes: Holes::Leave,
-            printed: Mutex::default(),
-            failed: Mutex::default(),
-        }
-    }
-
-    /// Sets how the warp fills its holes.
-    pub(super) fn of_holes(self, holes: &Holes) -> Self {
-        Self { holes: holes.clone(), ..self }
+        Self { form, bar, begun: Instant::now(), printed: Mutex::default(), failed: Mutex::default() }
     }
 
     /// Prints one event of a render.
@@ -94,7 +79,7 @@ impl EventPrinter {
             WarpEvent::FrameRedone(_) => {}
             WarpEvent::Started { frames, kept } => self.started(*frames, "", *kept),
             WarpEvent::FrameDone(report) => {
-                let found = findings(&self.holes, report.hole_pixels, report.contained_samples);
+                let found = findings(report.hole_pixels, report.contained_samples);
                 let warnings: Vec<String> = report.warnings.iter().cloned().chain(found).collect();
                 self.frame_done(report.frame, &report.path, &warnings);
                 if !report.mattes.is_empty() {
@@ -298,8 +283,7 @@ impl Totals {
 }
 
 /// Returns the noteworthy counts of a warped frame.
-fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
-    let hole_pixels = if *fill == Holes::Leave { hole_pixels } else { 0 };
+fn findings(hole_pixels: usize, contained_samples: usize) -> impl Iterator<Item = String> {
     let empty =
         pluralised(hole_pixels, "pixel that a layer uncovered is empty", "pixels that a layer uncovered are empty");
     let holes = format!("{empty}; fill holes by --clean or `holes`");
@@ -312,16 +296,4 @@ fn findings(fill: &Holes, hole_pixels: usize, contained_samples: usize) -> impl 
         .into_iter()
         .filter(|(count, _)| *count > 0)
         .map(|found| found.1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn holes_that_are_filled_are_not_reported() {
-        let printed = |fill: &Holes| findings(fill, 7, 0).collect::<Vec<_>>();
-        assert!(printed(&Holes::Leave)[0].starts_with("7 pixels"), "{:?}", printed(&Holes::Leave));
-        assert_eq!((printed(&Holes::Geometry), findings(&Holes::Geometry, 7, 2).count()), (Vec::new(), 1));
-    }
 }

@@ -3,6 +3,7 @@
 //! In: warnings, frame by frame. Out: lines, in order of first occurrence.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Maximum gap in frames within one event: a single kink in a motion affects four frames.
 const GAP: i32 = 3;
@@ -53,29 +54,45 @@ impl Warnings {
     }
 }
 
-/// Returns a warning with every number outside quotes masked, as numbers vary from frame to frame. Quoted names, which
-/// may contain digits, are kept, since they distinguish warnings.
+/// Returns a warning with its numbers masked, as they vary from frame to frame. Names, which may contain digits, are kept, since
+/// they distinguish warnings: all that is quoted, and words with letters.
 pub(super) fn kind_of(warning: &str) -> String {
-    let unquoted = |(index, piece): (usize, &str)| {
-        if index % 2 == 1 {
-            piece.to_owned()
-        } else {
-            piece.split(is_of_number).filter(|s| !s.is_empty()).collect::<Vec<_>>().join("…")
-        }
-    };
-    warning.split('\'').enumerate().map(unquoted).collect::<Vec<_>>().join("'")
+    let mut kind = String::new();
+    let mut kept = 0;
+    for number in numbers(warning) {
+        kind.push_str(&warning[kept..number.start]);
+        kind.push('…');
+        kept = number.end;
+    }
+    kind + &warning[kept..]
 }
 
-/// Returns the numbers outside quotes.
+/// Returns the numbers of a warning.
 fn numbers_of(warning: &str) -> Vec<f64> {
-    let unquoted = warning.split('\'').step_by(2);
-    unquoted
-        .flat_map(|piece| piece.split(|letter| !is_of_number(letter)).filter_map(|word| word.parse().ok()))
-        .collect()
+    numbers(warning).into_iter().filter_map(|number| warning[number].parse().ok()).collect()
 }
 
-fn is_of_number(letter: char) -> bool {
-    letter.is_ascii_digit() || letter == '.'
+/// Returns where the numbers of a warning are: words without letters that are not quoted.
+fn numbers(warning: &str) -> Vec<Range<usize>> {
+    let mut numbers = Vec::new();
+    let mut start = 0;
+    for (index, piece) in warning.split('\'').enumerate() {
+        let mut at = start;
+        for word in piece.split(|letter| !is_of_word(letter)) {
+            let bare = word.trim_end_matches('.');
+            if index % 2 == 0 && bare.parse::<f64>().is_ok_and(f64::is_finite) {
+                numbers.push(at..at + bare.len());
+            }
+            at += word.len();
+            at += warning[at..].chars().next().map_or(0, char::len_utf8);
+        }
+        start += piece.len() + 1;
+    }
+    numbers
+}
+
+fn is_of_word(letter: char) -> bool {
+    letter.is_alphanumeric() || matches!(letter, '.' | '_' | '-')
 }
 
 #[cfg(test)]
@@ -87,6 +104,13 @@ mod tests {
         let one = kind_of("layer 'layer1': pin 'a' is 0.12 px off its target");
         assert_eq!(one, kind_of("layer 'layer1': pin 'a' is 7.5 px off its target"));
         assert_ne!(one, kind_of("layer 'layer2': pin 'a' is 0.12 px off its target"));
+        assert_eq!(one, "layer 'layer1': pin 'a' is … px off its target");
+    }
+
+    #[test]
+    fn names_with_digits_are_no_numbers() {
+        let kind = kind_of("2 of 3 channels of light_2.R, Z2 and é5.crypto00 are 10.5 % darker than -0.5.");
+        assert_eq!(kind, "… of … channels of light_2.R, Z2 and é5.crypto00 are … % darker than ….");
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
         inputs: args.lattice.iter().cloned().collect(),
     };
     let cancel = cancel_on_interrupt()?;
-    let printer = EventPrinter::new(args.progress.into()).of_holes(&job.settings.holes);
+    let printer = EventPrinter::new(args.progress.into());
     let summary = pipeline::warp_frames(&job, &cancel, &|event| printer.print_warp(&event))?;
     printer.end()?;
     let is_complete = summary.failed == 0 && !summary.is_cancelled;

@@ -112,6 +112,19 @@ pub enum Placement {
     Matrix(Mat4),
 }
 
+impl Placement {
+    /// The transform as a matrix.
+    #[must_use]
+    pub fn matrix(&self) -> Mat4 {
+        match *self {
+            Self::Trs { translation, rotation, scale } => {
+                Mat4::from_scale_rotation_translation(scale, rotation, translation)
+            }
+            Self::Matrix(matrix) => matrix,
+        }
+    }
+}
+
 /// A mesh: primitives that share morph weights.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {

@@ -362,6 +362,9 @@ fn a_matted_thing_moves_before_the_rest() {
     let filled = "warp --shot shot.toml --frames 2 --clean in/b.0001.exr -o out/f.####.exr";
     let ended = bench.run(filled).says(0, &[]);
     assert!(!ended.stderr.contains("fill holes"), "{}", ended.stderr);
+    let ended = bench.run("report out/f.####.exr --max-holes 0").says(0, &[]);
+    assert!(!ended.stdout.contains("uncovered"), "{}", ended.stdout);
+    bench.run("report out/w.####.exr --max-holes 0").says(1, &["uncovered pixels"]);
     bench.run("warp --shot shot.toml --frames 2 -o out/e.####.exr").says(0, &["are empty; fill holes"]);
     assert_eq!(columns(&bench.path("out/f.0002.exr"), "A", |alpha| alpha < 0.999), Vec::<i32>::new());
 }

@@ -112,7 +112,7 @@ fn unsupported_edits_are_refused_with_a_remedy() {
 #[test]
 fn a_printed_pin_can_be_pasted() {
     let pasted =
-        replaced(GOOD, "  [[layer.handle]]", &format!("{}\n  [[layer.handle]]", edit::pin_block("é\n", &surface())));
+        replaced(GOOD, "  [[layer.handle]]", &format!("{}\n  [[layer.handle]]", edit::pin_block("é\n", &surface(), 1)));
     assert_eq!(parse(&pasted).unwrap().layers[0].pins[2].name, "é\n");
 }
 

@@ -204,7 +204,7 @@ type Figure = fn(&LayerReport) -> Option<f64>;
 /// The rows of the report table: name, figure, 1 if higher is worse or -1 if lower is, and the warning threshold.
 const FIGURES: [(&str, Figure, f64, f64); 4] = [
     ("Pin error, px", |layer| Some(layer.pin_error_px), 1.0, 0.05),
-    ("Least det J", |layer| Some(layer.solve.min_det), -1.0, -0.1),
+    ("Least det J", |layer| Some(layer.solve.min_cell_det), -1.0, -0.1),
     ("Distortion", |layer| Some(layer.solve.angular), 1.0, 1.0),
     ("Jerk, px", |layer| Some(layer.jerk?.warp_px), 1.0, 40.0),
 ];

@@ -125,8 +125,10 @@ pub struct WarpReport {
     pub write_ms: f64,
     /// The device that resampled colour: `CPU`, or its name.
     pub device: String,
-    /// Number of pixels that a layer uncovered and no other layer covers, including those filled afterwards.
+    /// Number of pixels that a layer uncovered and neither another layer nor a fill covers.
     pub hole_pixels: usize,
+    /// Number of pixels that a layer uncovered and that were filled.
+    pub filled_pixels: usize,
     /// Number of pixels where a layer overlaps itself; its front is shown, and the warp cannot be undone there. Not
     /// determined for STMaps.
     pub folded_pixels: usize,

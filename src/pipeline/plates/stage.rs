@@ -95,6 +95,8 @@ impl<'a> Stage<'a> {
             });
             let outcome = outcome.map(|((plate, report, mattes), memory)| {
                 let PlateReport { channels, hole_pixels, folded_pixels, contained_samples, warnings } = report;
+                let is_filled = self.job.settings.holes != Holes::Leave;
+                let [hole_pixels, filled_pixels] = if is_filled { [0, hole_pixels] } else { [hole_pixels, 0] };
                 let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
                 let report = WarpReport {
                     frame,
@@ -102,6 +104,7 @@ impl<'a> Stage<'a> {
                     warp_ms,
                     device: self.warper.device().unwrap_or_else(|| "CPU".into()),
                     hole_pixels,
+                    filled_pixels,
                     folded_pixels,
                     contained_samples,
                     channels,

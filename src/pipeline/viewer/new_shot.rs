@@ -7,6 +7,7 @@ use crate::pipeline::PipelineError;
 use crate::scene::{self, FileAccess, Scene};
 use crate::shot::template::{ClipFact, Subject, TemplateFacts};
 use crate::space::FrameSize;
+use glam::Vec3;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -95,14 +96,42 @@ fn scene_facts(scene: &Scene) -> TemplateFacts {
     }
 }
 
-/// Returns the names of rigid meshes that share a joint with other rigid meshes, such as the weapons of a character pack.
+/// Returns the names of rigid meshes that hang from one joint in the same place, such as the weapons of a character pack. Meshes
+/// beside each other, such as eyes, are no alternatives.
 fn spare_nodes(scene: &Scene) -> Vec<String> {
     let joints: BTreeSet<usize> = scene.skins.iter().flat_map(|skin| &skin.joints).copied().collect();
-    let is_rigid = |node: &&scene::Node| node.mesh.is_some() && node.skin.is_none();
-    let place = |node: &scene::Node| node.parent.filter(|parent| joints.contains(parent));
-    let hung = || scene.nodes.iter().filter(is_rigid).filter_map(|node| Some((place(node)?, node)));
-    let is_spare = |parent: usize| hung().filter(|(other, _)| *other == parent).count() > 1;
-    hung().filter(|(parent, _)| is_spare(*parent)).map(|(_, node)| node.name.clone()).collect()
+    let hung: Vec<Hung> = scene.nodes.iter().filter_map(|node| Hung::of(scene, node)).collect();
+    let hung: Vec<&Hung> = hung.iter().filter(|hung| joints.contains(&hung.parent)).collect();
+    let is_spare = |one: &&&Hung| hung.iter().any(|other| one.is_in_place_of(other));
+    hung.iter().filter(is_spare).map(|hung| hung.node.name.clone()).collect()
+}
+
+/// A rigid mesh below another node.
+struct Hung<'a> {
+    node: &'a scene::Node,
+    parent: usize,
+    /// Bounding box at rest, lowest and highest corner in the space of the parent.
+    corners: [Vec3; 2],
+}
+
+impl<'a> Hung<'a> {
+    fn of(scene: &Scene, node: &'a scene::Node) -> Option<Self> {
+        let mesh = node.mesh.filter(|_| node.skin.is_none())?;
+        let matrix = node.rest.matrix();
+        let positions = scene.meshes[mesh].primitives.iter().flat_map(|primitive| &primitive.positions);
+        let points = positions.map(|&position| [matrix.transform_point3(position); 2]);
+        let corners = points.reduce(|[low, high], [point, _]| [low.min(point), high.max(point)])?;
+        Some(Self { node, parent: node.parent?, corners })
+    }
+
+    /// Whether two different meshes hang from one node and their boxes overlap.
+    fn is_in_place_of(&self, other: &Self) -> bool {
+        let ([low, high], [other_low, other_high]) = (self.corners, other.corners);
+        !std::ptr::eq(self.node, other.node)
+            && self.parent == other.parent
+            && low.cmple(other_high).all()
+            && other_low.cmple(high).all()
+    }
 }
 
 /// Returns the path of a file relative to a folder if the file lies below it, and the absolute path otherwise.

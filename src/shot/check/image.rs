@@ -1,15 +1,11 @@
 //! Validates shots that show pictures instead of a model.
 //!
-//! In: the raw key `image`. Out: paths, and the frame size if the shot does not set it.
+//! In: the raw key `image`. Out: paths.
 
 use super::Check;
-use crate::image::{PictureKind, SequencePath, picture_size};
-use crate::shot::raw::{RawImage, RawLayer, RawShot, RawSpace};
-use crate::space::FrameSize;
+use crate::image::{PictureKind, SequencePath};
+use crate::shot::raw::{RawImage, RawLayer, RawSpace};
 use std::path::{Path, PathBuf};
-
-/// Default frame size.
-const DEFAULT_SIZE: [u32; 2] = [1920, 1080];
 
 impl Check<'_> {
     /// Returns the resolved paths of the pictures.
@@ -28,23 +24,6 @@ impl Check<'_> {
             }
         }
         paths.iter().map(|(_, path)| self.folder().join(path)).collect()
-    }
-
-    /// Returns the frame size: the shot's, else that of its first picture.
-    pub(super) fn size(&mut self, raw: &RawShot, images: Option<&[PathBuf]>) -> FrameSize {
-        let aspect = raw.pixel_aspect.unwrap_or(1.0);
-        let framed = |[width, height]: [u32; 2]| FrameSize { width, height, pixel_aspect: aspect };
-        let Some(first) = images.and_then(<[_]>::first).filter(|_| raw.size.is_none()) else {
-            return framed(raw.size.unwrap_or(DEFAULT_SIZE));
-        };
-        match picture_size(first) {
-            Ok(size) => FrameSize { pixel_aspect: raw.pixel_aspect.unwrap_or(size.pixel_aspect), ..size },
-            Err(error) => {
-                let hint = "the size of the frame is that of the first picture; mend its path, or give `size`";
-                self.fault("image", error.to_string(), hint);
-                framed(DEFAULT_SIZE)
-            }
-        }
     }
 
     /// Rejects world-space lattices for pictures.

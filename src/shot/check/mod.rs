@@ -11,6 +11,7 @@ mod pin;
 mod place;
 mod plate;
 mod select;
+mod size;
 mod stiffness;
 mod transfer;
 
@@ -86,8 +87,8 @@ impl Check<'_> {
         let path = self.document.path.to_owned();
         let source = self.source(&raw);
         let frames = self.frames(&raw.frames);
-        let images = if let Source::Images(images) = &source { Some(images.as_slice()) } else { None };
-        let size = self.size(&raw, images);
+        let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
+        let size = self.size(&raw, &source, (plate.as_deref(), frames.first));
         let defaults = LayerDefaults {
             step: raw.step,
             strength: raw.strength,
@@ -97,7 +98,6 @@ impl Check<'_> {
             source: Kind::of(&source),
         };
         let warp = self.warp(&raw.warp, &source);
-        let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
         let layers = self.layers(raw.layer, &defaults);
         Shot {
             lines: KeyLines::default(),

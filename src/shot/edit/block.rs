@@ -9,18 +9,19 @@ use toml_edit::{Array, InlineTable, Item, Table, Value};
 /// Decimals of the numbers in anchors: far below a pixel, without binary noise.
 const DECIMALS: i32 = 7;
 
-/// Formats a pin as in a shot file, ending with a newline: for printing, or pasting below a layer.
+/// Formats a pin as in a shot file, held at rest by a key in the given frame, ending with a newline: for printing, or pasting
+/// below a layer.
 ///
 /// ```
 /// use pinwarp::shot::{Anchor, edit};
 /// use pinwarp::space::ScreenPoint;
-/// let block = edit::pin_block("nose", &Anchor::Screen { at: ScreenPoint::new(0.5, 0.25), frame: None });
+/// let block = edit::pin_block("nose", &Anchor::Screen { at: ScreenPoint::new(0.5, 0.25), frame: None }, 1001);
 /// assert_eq!(block, "  [[layer.pin]]\n  name   = \"nose\"\n  anchor = { screen = [0.5, 0.25] }
-///   keys   = [ { frame = 1, offset = [0.0, 0.0] } ]\n");
+///   keys   = [ { frame = 1001, offset = [0.0, 0.0] } ]\n");
 /// ```
 #[must_use]
-pub fn pin_block(name: &str, anchor: &Anchor) -> String {
-    let pin = NewPin { name, anchor: anchor_table(anchor, Digits::Few), keys: resting(1) };
+pub fn pin_block(name: &str, anchor: &Anchor, frame: i32) -> String {
+    let pin = NewPin { name, anchor: anchor_table(anchor, Digits::Few), keys: resting(i64::from(frame)) };
     format!("  [[layer.pin]]\n{}", pin.table("  "))
 }
 

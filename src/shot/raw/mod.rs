@@ -62,7 +62,7 @@ pub(super) struct RawShot {
     pub(super) solve_range: Option<[i32; 2]>,
     /// Motion blur; default: none.
     pub(super) shutter: Option<RawShutter>,
-    /// Width and height of the frame in pixels; default: [1920, 1080], for pictures the size of the first.
+    /// Width and height of the frame in pixels; default: that of the first picture, or of the plate; for a scene [1920, 1080].
     #[schemars(inner(range(min = 1, max = 65536)), example = serde_json::json!([1920, 1080]))]
     pub(super) size: Option<[u32; 2]>,
     /// Width of a pixel divided by its height; default: 1, for pictures that of the first.

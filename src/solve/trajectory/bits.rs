@@ -5,6 +5,7 @@
 //! size is read.
 
 use super::displacement::Displacement;
+use super::solved_knots::SolvedKnots;
 use super::{Coupling, Spread, Trajectory};
 use crate::solve::branching::CopyName;
 
@@ -16,11 +17,12 @@ impl<const D: usize> Trajectory<D> {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Bytes(Vec::new());
-        let Coupling { first, last, knots_per_frame, weight, least_speed } = self.coupling;
+        let SolvedKnots { coupling, states, drawings, weights } = &self.knots;
+        let Coupling { first, last, knots_per_frame, weight, least_speed } = *coupling;
         out.count(D);
         out.floats(&[first, last, f64::from(knots_per_frame), weight, least_speed, self.weight]);
-        out.count(self.states.len());
-        for (state, drawing) in self.states.iter().zip(&self.drawings) {
+        out.count(states.len());
+        for (state, drawing) in states.iter().zip(drawings) {
             out.word(drawing.cast_unsigned());
             match state {
                 None => out.word(NO_STATE),
@@ -37,8 +39,8 @@ impl<const D: usize> Trajectory<D> {
                 }
             }
         }
-        out.count(self.weights.len());
-        out.floats(&self.weights);
+        out.count(weights.len());
+        out.floats(weights);
         out.floats(&self.interior_weights);
         out.count(self.spreads.len());
         self.spreads.iter().for_each(|spread| out.floats(&[spread.frames[0], spread.frames[1], spread.speed]));
@@ -65,7 +67,8 @@ impl<const D: usize> Trajectory<D> {
         let [weights, interior_weights] = [rest.floats(intervals)?, rest.floats(intervals)?];
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
         let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
-        is_whole.then_some(Self { coupling, states, drawings, weights, interior_weights, weight, spreads: spreads? })
+        let knots = SolvedKnots { coupling, states, drawings, weights };
+        is_whole.then_some(Self { knots, interior_weights, weight, spreads: spreads? })
     }
 }
 
@@ -158,11 +161,14 @@ mod tests {
         };
         let copies = [[0, 4], [2, 1], [2, usize::MAX]].map(|[handle, triangle]| CopyName { handle, triangle });
         let branching = Displacement { copies: copies.to_vec(), ..state(-7e300) };
-        Trajectory {
+        let knots = SolvedKnots {
             coupling: Coupling { first: -3.5, last: 9.0, knots_per_frame: 2, weight: 0.3, least_speed: 1e-3 },
             states: vec![Some(state(1.0 / 3.0)), None, Some(branching), Some(state(0.1))],
             drawings: vec![3, -1, i64::MAX, 0],
             weights: vec![0.0, 0.0, 12.5],
+        };
+        Trajectory {
+            knots,
             interior_weights: vec![0.0, 0.0, 200.0],
             weight: 0.6,
             spreads: vec![Spread { frames: [2.5, 3.0], speed: 0.01 }],

@@ -12,7 +12,7 @@
 //! allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed limit (J. Nocedal and S. Wright,
 //! "Numerical Optimization", 2006, section 17.4).
 
-use super::continuity::SearchDepth;
+use super::continuity::Interior;
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
@@ -39,8 +39,8 @@ const COARSE_TOLERANCE: f64 = 3e-4;
 /// Smallest ratio of a weight to those of the neighbouring intervals.
 const TAPER: f64 = 0.5;
 
-/// Motion in intervals of lattices with more handles is not searched for jumps: one solve takes a large part of a second, and an
-/// interval may need a hundred.
+/// Motion of lattices with more handles is not searched for jumps: one solve takes a large part of a second, and an interval may
+/// need thirty.
 const MAX_SEARCHED_HANDLES: usize = 1500;
 
 /// Multiple of an interval's weight with which the energy has to be convex at three states of the interval for it not to be
@@ -120,12 +120,12 @@ impl<'a, const D: usize> Chain<'a, D> {
     /// Removes the first `count` knots and the intervals that begin at them. The first remaining knot becomes final.
     pub(crate) fn take_front(&mut self, count: usize) -> Vec<SettledKnot<D>> {
         let intervals = count.min(self.weights.len());
-        let mut depths = self.search_depths(intervals).into_iter();
+        let mut interiors = self.interiors(intervals).into_iter();
         let mut weights = self.weights.drain(..intervals);
         let front = self.knots.drain(..count).map(|knot| SettledKnot {
             drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
             state: knot.map(|knot| knot.displacement),
-            interval: weights.next().zip(depths.next()),
+            interval: weights.next().zip(interiors.next()),
         });
         let front = front.collect();
         drop(weights);
@@ -243,12 +243,10 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// How the first `count` intervals are searched for jumps. None are where the lattice is too fine for the search.
-    fn search_depths(&self, count: usize) -> Vec<SearchDepth> {
+    /// How times within the first `count` intervals are solved.
+    fn interiors(&self, count: usize) -> Vec<Interior> {
         let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
-        if handles.max().is_some_and(|count| count > MAX_SEARCHED_HANDLES) {
-            return vec![SearchDepth::Unsearched; count];
-        }
+        let is_searched = handles.max().is_none_or(|count| count <= MAX_SEARCHED_HANDLES);
         let (knots, weights) = (&self.knots, &self.weights);
         // Both adjacent intervals use what is known of a knot.
         let at_knot = |index: usize| {
@@ -258,22 +256,23 @@ impl<'a, const D: usize> Chain<'a, D> {
         };
         let is_convex_at: Vec<bool> = (0..knots.len().min(count + 1)).into_par_iter().map(at_knot).collect();
         let least_speed = self.coupling.least_speed;
-        let depth = |index: usize| {
-            let [Some(knot), Some(next)] = &knots[index..=index + 1] else { return SearchDepth::Unsearched };
+        let interior = |index: usize| {
+            let [Some(knot), Some(next)] = &knots[index..=index + 1] else { return Interior::Coupled };
             // Motion between two drawings is discontinuous on purpose.
             if knot.drawing != next.drawing {
-                return SearchDepth::Unsearched;
+                return Interior::Coupled;
             }
             let is_convex = is_convex_at[index]
                 && is_convex_at[index + 1]
                 && knot.is_convex_halfway(next, CONVEX_FACTOR * weights[index]);
             match (is_convex, is_steady(knots, index, least_speed)) {
-                (false, _) => SearchDepth::Deep,
-                (true, false) => SearchDepth::Shallow,
-                (true, true) => SearchDepth::Unsearched,
+                (true, true) => Interior::Coupled,
+                _ if !is_searched => Interior::Interpolated,
+                (false, _) => Interior::LIKELY_JUMP,
+                (true, false) => Interior::UNLIKELY_JUMP,
             }
         };
-        (0..count).into_par_iter().map(depth).collect()
+        (0..count).into_par_iter().map(interior).collect()
     }
 
     /// Ratio of the motion in an interval to its speed limit.
@@ -312,8 +311,8 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) state: Option<Displacement<D>>,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
-    /// The weight of the interval that begins at the knot, and how it is searched for jumps; `None` at the last knot.
-    pub(crate) interval: Option<(f64, SearchDepth)>,
+    /// The weight of the interval that begins at the knot, and how times within it are solved; `None` at the last knot.
+    pub(crate) interval: Option<(f64, Interior)>,
 }
 
 /// Whether the speed hardly changes at both ends of an interval.

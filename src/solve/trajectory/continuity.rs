@@ -1,6 +1,6 @@
 //! Search for jumps in the motion between two knots, by recursive bisection in time.
 //!
-//! In: a trajectory with solved knots, the problem at any time between two of them. Out: the weight of the proximal term between
+//! In: solved knots, the problem at any time between two of them. Out: the weight of the proximal term between
 //! them with which no jump is found.
 //!
 //! The state halfway between two times is compared with the mean of the states at these times, and with the parabola through
@@ -8,14 +8,10 @@
 //! halving; at a jump of length J they stay J / 2 and at least 3 J / 8, however short the interval (bisection: R. P. Brent,
 //! "Algorithms for Minimization without Derivatives", 1973).
 
-use super::Trajectory;
 use super::displacement::Displacement;
 use super::knot::Knot;
+use super::solved_knots::SolvedKnots;
 use crate::solve::cancel::Cancel;
-
-/// Depth to which an interval with [`SearchDepth::Deep`] is bisected in any case: a jump of all points could lie exactly in the
-/// middle.
-const MIN_DEPTH: u32 = 2;
 
 /// Largest depth of the bisection; motion that is still uneven there is a jump.
 const MAX_DEPTH: u32 = 7;
@@ -31,20 +27,47 @@ const JUMP_TOLERANCE: f64 = 0.25;
 /// interpolation of the knots.
 const FACTORS: [f64; 3] = [1.0, 256.0, 65536.0];
 
-/// How the motion between two knots is searched for jumps.
+/// How times between two knots are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SearchDepth {
-    /// Not at all: there can be no jump, or the search would take too long.
-    Unsearched,
-    /// A jump is unlikely: the interval is bisected only where its motion is uneven.
-    Shallow,
-    /// The interval is bisected at least [`MIN_DEPTH`] times.
-    Deep,
+pub(crate) enum Interior {
+    /// With the weight that couples the knots: there can be no jump.
+    Coupled,
+    /// With the smallest weight with which no jump is found. The interval is bisected at least so many times, and more often where
+    /// its motion is uneven.
+    Searched {
+        /// Depth to which the interval is bisected in any case.
+        min_depth: u32,
+    },
+    /// With a weight so large that the motion is practically the interpolation of the knots, because a search would take too long.
+    Interpolated,
+}
+
+impl Interior {
+    /// The depth to which an interval is bisected in any case where a jump cannot be ruled out: a jump of all points could lie
+    /// exactly in the middle.
+    pub(super) const LIKELY_JUMP: Self = Self::Searched { min_depth: 2 };
+    /// The same where the energy is convex.
+    pub(super) const UNLIKELY_JUMP: Self = Self::Searched { min_depth: 0 };
+
+    /// The weight within an interval.
+    pub(super) fn weight<const D: usize>(
+        self,
+        knots: &SolvedKnots<D>,
+        index: usize,
+        probe: &dyn Fn(f64) -> Option<Knot<D>>,
+    ) -> f64 {
+        let coupling = knots.weights[index];
+        match self {
+            Self::Coupled => coupling,
+            Self::Searched { min_depth } => Interval::new(knots, index, min_depth, probe).continuous_weight(),
+            Self::Interpolated => coupling * FACTORS[FACTORS.len() - 1],
+        }
+    }
 }
 
 /// The motion between two knots.
-pub(super) struct Interval<'a, const D: usize> {
-    trajectory: &'a Trajectory<D>,
+struct Interval<'a, const D: usize> {
+    knots: &'a SolvedKnots<D>,
     /// Number of the knot at which the interval begins.
     index: usize,
     /// Builds the unsolved problem of a time; `None` if there is no problem.
@@ -69,29 +92,23 @@ struct Part<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Interval<'a, D> {
-    pub(super) fn new(
-        trajectory: &'a Trajectory<D>,
-        index: usize,
-        depth: SearchDepth,
-        probe: &'a dyn Fn(f64) -> Option<Knot<D>>,
-    ) -> Self {
-        let tolerance = JUMP_TOLERANCE * trajectory.coupling.least_speed;
-        let min_depth = if depth == SearchDepth::Deep { MIN_DEPTH } else { 0 };
-        Self { trajectory, index, probe, probed: Vec::new(), tolerance, min_depth }
+    fn new(knots: &'a SolvedKnots<D>, index: usize, min_depth: u32, probe: &'a dyn Fn(f64) -> Option<Knot<D>>) -> Self {
+        let tolerance = JUMP_TOLERANCE * knots.coupling.least_speed;
+        Self { knots, index, probe, probed: Vec::new(), tolerance, min_depth }
     }
 
     /// The smallest of the tried weights with which no jump is found; that of the knots if there is none, because the targets of
     /// pins jump.
-    pub(super) fn continuous_weight(&mut self) -> f64 {
-        let initial = self.trajectory.weights[self.index];
+    fn continuous_weight(&mut self) -> f64 {
+        let initial = self.knots.weights[self.index];
         let mut tried = FACTORS.iter().map(|factor| factor * initial);
         tried.find(|&weight| self.is_continuous(weight)).unwrap_or(initial)
     }
 
     /// Whether no jump is found between the knots with this weight.
     fn is_continuous(&mut self, weight: f64) -> bool {
-        let trajectory = self.trajectory;
-        let [Some(before), Some(after)] = &trajectory.states[self.index..=self.index + 1] else { return true };
+        let knots = self.knots;
+        let [Some(before), Some(after)] = &knots.states[self.index..=self.index + 1] else { return true };
         let whole =
             Part { times: [0.0, 1.0], states: [before, after, before], differences: [f64::INFINITY; 2], depth: 0 };
         self.is_even(&whole, weight)
@@ -123,17 +140,17 @@ impl<'a, const D: usize> Interval<'a, D> {
             && self.is_even(&half(to, [inner, &state, outer]), weight)
     }
 
-    /// The state at a fraction of the interval, computed as by [`Trajectory::solve_at`].
+    /// The state at a fraction of the interval, computed as by [`super::Trajectory::solve_at`].
     fn state(&mut self, s: f64, weight: f64) -> Option<Displacement<D>> {
         let place = match self.probed.iter().position(|(known, _)| *known == s) {
             Some(place) => place,
             None => {
-                self.probed.push((s, (self.probe)(self.trajectory.time(self.index, s))));
+                self.probed.push((s, (self.probe)(self.knots.time(self.index, s))));
                 self.probed.len() - 1
             }
         };
         let knot = self.probed[place].1.as_mut()?;
-        let proximal = self.trajectory.proximal(self.index, s, weight)?;
+        let proximal = self.knots.proximal(self.index, s, weight)?;
         knot.solve_between(&proximal, &Cancel::never()).ok()?;
         Some(knot.displacement.clone())
     }

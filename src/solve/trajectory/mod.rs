@@ -9,6 +9,7 @@ mod chain;
 mod continuity;
 mod displacement;
 mod knot;
+mod solved_knots;
 mod timeline;
 
 pub use timeline::{Coupling, TimedProblem, Timeline, knots_per_gib};
@@ -20,10 +21,11 @@ use super::report::Solution;
 use super::settings::Settings;
 use super::targets::Targets;
 use chain::Chain;
-use continuity::{Interval, SearchDepth};
+use continuity::Interior;
 use displacement::Displacement;
 use knot::{Knot, Proximal};
 use rayon::prelude::*;
+use solved_knots::SolvedKnots;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Distance from a knot, as a fraction of an interval, below which the state of the knot is used as it is.
@@ -35,13 +37,7 @@ const MIN_WINDOW: usize = 16;
 /// The solved knots of a layer's lattice over a range of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory<const D: usize> {
-    coupling: Coupling,
-    /// State of each knot; `None` if nothing is solved there.
-    states: Vec<Option<Displacement<D>>>,
-    /// Drawing that each knot belongs to.
-    drawings: Vec<i64>,
-    /// ω of each interval, per squared unit of the space: it couples the knots at its ends.
-    weights: Vec<f64>,
+    knots: SolvedKnots<D>,
     /// Weight of the proximal term within each interval: ω, or more where the motion would jump.
     interior_weights: Vec<f64>,
     /// ω of intervals whose weight was not raised.
@@ -101,48 +97,29 @@ impl<const D: usize> Trajectory<D> {
         }
         let weight = chain.weight;
         done.extend(chain.take_front(chain.knots.len()));
-        let (weights, depths): (Vec<f64>, Vec<SearchDepth>) = done.iter().filter_map(|knot| knot.interval).unzip();
+        let (weights, interiors): (Vec<f64>, Vec<Interior>) = done.iter().filter_map(|knot| knot.interval).unzip();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
-        let interior_weights = weights.clone();
-        let mut trajectory =
-            Self { coupling, states, drawings, weights, interior_weights, weight, spreads: Vec::new() };
-        trajectory.spreads = trajectory.find_spreads();
-        // A problem that cannot be built between two knots is reported when its own frame is solved.
-        let probe = |time: f64| knot_at(time).ok().flatten();
-        trajectory.interior_weights = trajectory.continuous_weights(&depths, &probe, &part_done, cancel)?;
-        Ok(trajectory)
-    }
-
-    /// The weight within each interval with which no jump is found there.
-    fn continuous_weights(
-        &self,
-        depths: &[SearchDepth],
-        probe: &(dyn Fn(f64) -> Option<Knot<D>> + Sync),
-        part_done: &(dyn Fn() + Sync),
-        cancel: &Cancel,
-    ) -> Result<Vec<f64>, SolveError> {
-        let search = |(index, depth): (usize, SearchDepth)| {
-            let weight = match depth {
-                SearchDepth::Unsearched => self.weights[index],
-                depth => Interval::new(self, index, depth, &probe).continuous_weight(),
-            };
+        let knots = SolvedKnots { coupling, states, drawings, weights };
+        let search = |&(index, interior): &(usize, &Interior)| {
+            // A problem that cannot be built between two knots is reported when its own frame is solved.
+            let weight = interior.weight(&knots, index, &|time| knot_at(time).ok().flatten());
             part_done();
             weight
         };
-        let intervals: Vec<_> = depths.iter().copied().enumerate().collect();
-        let mut weights = Vec::with_capacity(intervals.len());
+        let intervals: Vec<_> = interiors.iter().enumerate().collect();
+        let mut interior_weights = Vec::with_capacity(intervals.len());
         // Cancellation is polled by this thread alone.
         for some in intervals.chunks(rayon::current_num_threads()) {
-            cancel.check()?;
-            weights.extend(some.par_iter().copied().map(search).collect::<Vec<f64>>());
+            cancel.check().map_err(SolveError::from)?;
+            interior_weights.extend(some.par_iter().map(search).collect::<Vec<f64>>());
         }
-        Ok(weights)
+        Ok(Self { spreads: find_spreads(&knots, weight), knots, interior_weights, weight })
     }
 
     /// Number of knots with a state.
     #[must_use]
     pub fn knot_count(&self) -> usize {
-        self.states.iter().flatten().count()
+        self.knots.states.iter().flatten().count()
     }
 
     /// The motions that were spread over time.
@@ -183,16 +160,18 @@ impl<const D: usize> Trajectory<D> {
     /// neighbour has the same drawing, the proximal term has a single knot and a weight inversely proportional to the distance
     /// from it.
     fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
-        let place = (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame);
-        let last = self.states.len() as f64 - 1.0;
-        let state = |knot: f64| self.state(knot).filter(|_| self.drawings[knot as usize] == drawing);
+        let SolvedKnots { coupling, states, drawings, .. } = &self.knots;
+        let place = (time - coupling.first) * f64::from(coupling.knots_per_frame);
+        let last = states.len() as f64 - 1.0;
+        let any_state = |knot: f64| if knot < 0.0 { None } else { states.get(knot as usize)?.as_ref() };
+        let state = |knot: f64| any_state(knot).filter(|_| drawings[knot as usize] == drawing);
         if let Some(state) = state(place.round()).filter(|_| (place - place.round()).abs() < AT_KNOT) {
             return Neighbourhood::Knot(state);
         }
         let before = place.floor().min(last);
         let after = place.ceil().max(0.0);
         let pair = match (state(before), state(after)) {
-            (None, None) => (self.state(before), self.state(after)),
+            (None, None) => (any_state(before), any_state(after)),
             own => own,
         };
         let single = |state: &Displacement<D>, distance: f64| {
@@ -201,7 +180,7 @@ impl<const D: usize> Trajectory<D> {
         match pair {
             (Some(_), Some(_)) => {
                 let interval = before as usize;
-                let proximal = self.proximal(interval, place - before, self.interior_weights[interval]);
+                let proximal = self.knots.proximal(interval, place - before, self.interior_weights[interval]);
                 proximal.map_or(Neighbourhood::Alone, Neighbourhood::Proximal)
             }
             (Some(only), None) => single(only, place - before),
@@ -209,69 +188,24 @@ impl<const D: usize> Trajectory<D> {
             (None, None) => Neighbourhood::Alone,
         }
     }
+}
 
-    /// The time at the fraction `s` of an interval, in frames.
-    fn time(&self, interval: usize, s: f64) -> f64 {
-        self.coupling.knot_time(interval) + s / f64::from(self.coupling.knots_per_frame)
-    }
-
-    /// The proximal term at the fraction `s` of an interval, for an interior weight ω'. With ω' = ω the state minimises
-    /// ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), which is, twice and up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 −
-    /// s) d_k − s d_{k+1}‖². Half of the energy of a time counts for each side, as in the trapezoidal rule, so that the motion has
-    /// no kinks at knots. With a larger ω' the velocities at the knots stay the same, because the straight line between the knots
-    /// becomes a cubic: docs/METHOD.md, "Time". Returns `None` if a knot has no state.
-    fn proximal(&self, interval: usize, s: f64, weight: f64) -> Option<Proximal<D>> {
-        let [Some(from), Some(to)] = &self.states[interval..=interval + 1] else { return None };
-        let mut displacement = from.interpolated(to, s);
-        let cubic = 1.0 - self.weights[interval] / weight;
-        if cubic > 0.0 {
-            let [before, after] = [interval.checked_sub(1), Some(interval + 1)].map(|index| self.tie(index, interval));
-            for (index, point) in displacement.points.iter_mut().enumerate() {
-                for d in 0..D {
-                    let chord = to.points[index][d] - from.points[index][d];
-                    // Velocities at the knots, from the line between them.
-                    let [start, end] = [before, after].map(|beside| {
-                        let beside =
-                            beside.map_or(0.0, |(ratio, [a, b])| ratio * (b.points[index][d] - a.points[index][d]));
-                        f64::midpoint(chord, beside) - chord
-                    });
-                    point[d] += cubic * s * (1.0 - s) * ((1.0 - s) * start - s * end);
-                }
+/// Runs of intervals whose weight is above the initial `weight`.
+fn find_spreads<const D: usize>(knots: &SolvedKnots<D>, weight: f64) -> Vec<Spread> {
+    let SolvedKnots { coupling, states, weights, .. } = knots;
+    let mut spreads: Vec<Spread> = Vec::new();
+    for index in (0..weights.len()).filter(|&index| weights[index] > weight) {
+        let [Some(state), Some(next)] = &states[index..=index + 1] else { continue };
+        let speed = state.farthest(next) * f64::from(coupling.knots_per_frame);
+        let frames = [index, index + 1].map(|knot| coupling.knot_time(knot));
+        match spreads.last_mut() {
+            Some(last) if last.frames[1] == frames[0] => {
+                *last = Spread { frames: [last.frames[0], frames[1]], speed: last.speed.max(speed) };
             }
+            _ => spreads.push(Spread { frames, speed }),
         }
-        Some(Proximal { displacement, weight: 2.0 * weight / (s * (1.0 - s)) })
     }
-
-    /// The knots of an interval beside another one, and the ratio of its weight to that of the other; `None` if they are not of
-    /// the same drawing.
-    fn tie(&self, interval: Option<usize>, other: usize) -> Option<(f64, [&Displacement<D>; 2])> {
-        let index = interval.filter(|&index| index < self.weights.len())?;
-        let [Some(from), Some(to)] = &self.states[index..=index + 1] else { return None };
-        let is_one_drawing = self.drawings[index] == self.drawings[index + 1];
-        is_one_drawing.then(|| (self.weights[index] / self.weights[other], [from, to]))
-    }
-
-    /// Runs of intervals whose weight was raised.
-    fn find_spreads(&self) -> Vec<Spread> {
-        let mut spreads: Vec<Spread> = Vec::new();
-        for index in (0..self.weights.len()).filter(|&index| self.weights[index] > self.weight) {
-            let [Some(state), Some(next)] = &self.states[index..=index + 1] else { continue };
-            let speed = state.farthest(next) * f64::from(self.coupling.knots_per_frame);
-            let frames = [index, index + 1].map(|knot| self.coupling.knot_time(knot));
-            match spreads.last_mut() {
-                Some(last) if last.frames[1] == frames[0] => {
-                    *last = Spread { frames: [last.frames[0], frames[1]], speed: last.speed.max(speed) };
-                }
-                _ => spreads.push(Spread { frames, speed }),
-            }
-        }
-        spreads
-    }
-
-    /// The state of the knot with this number; `None` if there is no such knot, or it has no state.
-    fn state(&self, knot: f64) -> Option<&Displacement<D>> {
-        if knot < 0.0 { None } else { self.states.get(knot as usize)?.as_ref() }
-    }
+    spreads
 }
 
 /// The knots that determine the state at a time.

@@ -1,0 +1,44 @@
+//! The frame size of a shot that does not set it.
+//!
+//! In: the raw shot, its source and plate. Out: the size.
+
+use super::Check;
+use crate::image::{SequencePath, picture_size};
+use crate::shot::Source;
+use crate::shot::raw::RawShot;
+use crate::space::FrameSize;
+use std::path::Path;
+
+/// Default frame size.
+const DEFAULT_SIZE: [u32; 2] = [1920, 1080];
+
+impl Check<'_> {
+    /// Returns the frame size: the shot's, else that of its first picture, else that of its plate in the first frame. A plate that
+    /// cannot be read is no fault: it may not exist yet, and the command line may give another one.
+    pub(super) fn size(
+        &mut self,
+        raw: &RawShot,
+        source: &Source,
+        (plate, first_frame): (Option<&Path>, i32),
+    ) -> FrameSize {
+        let [width, height] = raw.size.unwrap_or(DEFAULT_SIZE);
+        let default = FrameSize { width, height, pixel_aspect: raw.pixel_aspect.unwrap_or(1.0) };
+        if raw.size.is_some() {
+            return default;
+        }
+        let shown = match source {
+            Source::Images(images) => images.first().map(|image| picture_size(image)),
+            Source::Frame => plate.map(|plate| Ok(picture_size(&SequencePath::parse(plate)?.path_of(first_frame))?)),
+            Source::Scene(_) => None,
+        };
+        match shown {
+            Some(Ok(size)) => FrameSize { pixel_aspect: raw.pixel_aspect.unwrap_or(size.pixel_aspect), ..size },
+            Some(Err(error)) if matches!(source, Source::Images(_)) => {
+                let hint = "the size of the frame is that of the first picture; mend its path, or give `size`";
+                self.fault("image", error.to_string(), hint);
+                default
+            }
+            _ => default,
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The solved knots of a trajectory, and the proximal term of a time between two of them.
+//!
+//! In: states of knots, weights of intervals. Out: what a time between two knots is drawn to, and how strongly.
+
+use super::displacement::Displacement;
+use super::knot::Proximal;
+use super::timeline::Coupling;
+
+/// Solved knots, and the weights of the intervals between them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SolvedKnots<const D: usize> {
+    pub(crate) coupling: Coupling,
+    /// State of each knot; `None` if nothing is solved there.
+    pub(crate) states: Vec<Option<Displacement<D>>>,
+    /// Drawing that each knot belongs to.
+    pub(crate) drawings: Vec<i64>,
+    /// ω of each interval, per squared unit of the space: it couples the knots at its ends.
+    pub(crate) weights: Vec<f64>,
+}
+
+impl<const D: usize> SolvedKnots<D> {
+    /// The time at the fraction `s` of an interval, in frames.
+    pub(super) fn time(&self, interval: usize, s: f64) -> f64 {
+        self.coupling.knot_time(interval) + s / f64::from(self.coupling.knots_per_frame)
+    }
+
+    /// The proximal term at the fraction `s` of an interval, for an interior weight ω'. With ω' = ω the state minimises
+    /// ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), which is, twice and up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 −
+    /// s) d_k − s d_{k+1}‖². Half of the energy of a time counts for each side, as in the trapezoidal rule, so that the motion has
+    /// no kinks at knots. With a larger ω' the velocities at the knots stay the same, because the straight line between the knots
+    /// becomes a cubic: docs/METHOD.md, "Time". Returns `None` if a knot has no state.
+    pub(super) fn proximal(&self, interval: usize, s: f64, weight: f64) -> Option<Proximal<D>> {
+        let [Some(from), Some(to)] = &self.states[interval..=interval + 1] else { return None };
+        let mut displacement = from.interpolated(to, s);
+        let cubic = 1.0 - self.weights[interval] / weight;
+        if cubic > 0.0 {
+            let [before, after] = [interval.checked_sub(1), Some(interval + 1)].map(|index| self.tie(index, interval));
+            for (index, point) in displacement.points.iter_mut().enumerate() {
+                for d in 0..D {
+                    let chord = to.points[index][d] - from.points[index][d];
+                    // Velocities at the knots, from the line between them.
+                    let [start, end] = [before, after].map(|beside| {
+                        let beside =
+                            beside.map_or(0.0, |(ratio, [a, b])| ratio * (b.points[index][d] - a.points[index][d]));
+                        f64::midpoint(chord, beside) - chord
+                    });
+                    point[d] += cubic * s * (1.0 - s) * ((1.0 - s) * start - s * end);
+                }
+            }
+        }
+        Some(Proximal { displacement, weight: 2.0 * weight / (s * (1.0 - s)) })
+    }
+
+    /// The knots of an interval beside another one, and the ratio of its weight to that of the other; `None` if they are not of
+    /// the same drawing.
+    fn tie(&self, interval: Option<usize>, other: usize) -> Option<(f64, [&Displacement<D>; 2])> {
+        let index = interval.filter(|&index| index < self.weights.len())?;
+        let [Some(from), Some(to)] = &self.states[index..=index + 1] else { return None };
+        let is_one_drawing = self.drawings[index] == self.drawings[index + 1];
+        is_one_drawing.then(|| (self.weights[index] / self.weights[other], [from, to]))
+    }
+}
