@@ -364,7 +364,8 @@ fn a_matted_thing_moves_before_the_rest() {
     assert!(!ended.stderr.contains("fill holes"), "{}", ended.stderr);
     let ended = bench.run("report out/f.####.exr --max-holes 0").says(0, &[]);
     assert!(!ended.stdout.contains("uncovered"), "{}", ended.stdout);
-    bench.run("report out/w.####.exr --max-holes 0").says(1, &["uncovered pixels"]);
+    let ended = bench.run("report out/w.####.exr --max-holes 0").says(1, &[]);
+    assert!(ended.stdout.contains("uncovered"), "{}", ended.stdout);
     bench.run("warp --shot shot.toml --frames 2 -o out/e.####.exr").says(0, &["are empty; fill holes"]);
     assert_eq!(columns(&bench.path("out/f.0002.exr"), "A", |alpha| alpha < 0.999), Vec::<i32>::new());
 }
