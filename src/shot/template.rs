@@ -222,16 +222,16 @@ fn pin_key(frame: f64) -> String {
 
 /// The lattice options of a scene.
 const SCENE_LATTICE: &str = "## Limbs that cross on the screen, or hang close to something else, move apart with
-# lattice = { dims = \"auto\", topology = \"branching\" }
+## lattice = { dims = \"auto\", topology = \"branching\" }
 ## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
-# lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
+## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
 lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 
 ";
 
 /// The lattice options of a drawing, whose parts are close to each other.
 const IMAGE_LATTICE: &str = "## One piece:
-# lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
+## lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 ## Parts that are close to each other move apart; dims fit the thinnest of them.
 lattice = { dims = \"auto\", topology = \"branching\" }
 
