@@ -6,9 +6,9 @@ use super::command::Command;
 use super::history::{History, Recorded};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, OpenOptions};
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use twox_hash::XxHash3_128;
 
 /// File extension of journals.
 const ENDING: &str = "pinwarp-journal";
@@ -62,9 +62,8 @@ impl Journal {
     pub fn begin(folder: &Path, document: &Path, text: &str) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let process = std::process::id();
-        let mut hasher = DefaultHasher::new();
-        document.hash(&mut hasher);
-        let path = folder.join(format!("{:016x}-{process}.{ENDING}", hasher.finish()));
+        let name = XxHash3_128::oneshot(document.as_os_str().as_encoded_bytes());
+        let path = folder.join(format!("{name:032x}-{process}.{ENDING}"));
         let file = OpenOptions::new().create(true).write(true).truncate(true).open(&path)?;
         let mut journal = Self { path, file };
         journal.write(&Line::Begin { path: document.to_owned(), text: text.to_owned(), process })?;

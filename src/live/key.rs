@@ -1,42 +1,33 @@
 //! Content hashes: equal inputs have equal keys, different inputs almost certainly different ones.
 //!
 //! In: words and samples. Out: a 128-bit [`Key`].
-//!
-//! Four lanes of multiply and rotate, as in Y. Collet, "xxHash fast digest algorithm",
-//! <https://github.com/Cyan4973/xxHash/blob/dev/doc/xxhash_spec.md>; the constants are its primes, the rest is our own.
 
 use rayon::prelude::*;
-
-const PRIMES: [u64; 3] = [0x9E37_79B1_85EB_CA87, 0xC2B2_AE3D_27D4_EB4F, 0x1656_67B1_9E37_79F9];
+use twox_hash::XxHash3_128;
 
 /// Samples per hashing task.
 const CHUNK: usize = 1 << 16;
 
-/// Number of parallel lanes.
-const LANES: usize = 4;
-
 /// The hash of some content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Key([u64; 2]);
+pub(super) struct Key(u128);
 
-/// Incremental hasher.
+/// Collects content.
 #[derive(Clone, Debug)]
-pub(super) struct KeyWriter([u64; 2]);
+pub(super) struct KeyWriter(Vec<u8>);
 
 impl KeyWriter {
-    pub(super) fn new() -> Self {
-        Self([PRIMES[2], PRIMES[0]])
+    pub(super) const fn new() -> Self {
+        Self(Vec::new())
     }
 
     /// Continues from a key.
     pub(super) fn after(key: Key) -> Self {
-        Self(key.0)
+        Self(key.0.to_le_bytes().to_vec())
     }
 
     pub(super) fn word(&mut self, word: u64) -> &mut Self {
-        let [a, b] = &mut self.0;
-        *a = round(*a, word, 0);
-        *b = round(*b, word ^ *a, 1);
+        self.0.extend(word.to_le_bytes());
         self
     }
 
@@ -57,49 +48,21 @@ impl KeyWriter {
 
     pub(super) fn text(&mut self, text: &str) -> &mut Self {
         self.word(text.len() as u64);
-        let (words, rest) = text.as_bytes().as_chunks::<8>();
-        words.iter().for_each(|word| _ = self.word(u64::from_le_bytes(*word)));
-        self.word(rest.iter().fold(0, |word, &byte| word << 8 | u64::from(byte)))
+        self.0.extend(text.as_bytes());
+        self
     }
 
     /// Hashes samples in parallel; the result does not depend on the number of threads.
     pub(super) fn samples(&mut self, samples: &[f32]) -> &mut Self {
-        let chunks: Vec<[u64; 2]> = samples.par_chunks(CHUNK).map(digest).collect();
-        chunks.iter().for_each(|chunk| _ = self.words(chunk));
+        let chunks = samples.par_chunks(CHUNK).map(|chunk| XxHash3_128::oneshot(bytemuck::cast_slice(chunk)));
+        let chunks: Vec<u128> = chunks.collect();
+        self.0.extend(chunks.iter().flat_map(|hash| hash.to_le_bytes()));
         self.word(samples.len() as u64)
     }
 
     pub(super) fn finish(&self) -> Key {
-        let [a, b] = self.0;
-        Key([avalanche(a), avalanche(b ^ a.rotate_left(32))])
+        Key(XxHash3_128::oneshot(&self.0))
     }
-}
-
-fn round(lane: u64, word: u64, prime: usize) -> u64 {
-    lane.wrapping_add(word.wrapping_mul(PRIMES[prime])).rotate_left(31).wrapping_mul(PRIMES[prime + 1])
-}
-
-/// Makes every output bit depend on every input bit.
-fn avalanche(mut word: u64) -> u64 {
-    for prime in [PRIMES[1], PRIMES[2]] {
-        word = (word ^ word >> 31).wrapping_mul(prime);
-    }
-    word ^ word >> 32
-}
-
-/// Hashes a chunk of samples to two words.
-fn digest(samples: &[f32]) -> [u64; 2] {
-    let mut lanes: [u64; LANES] = std::array::from_fn(|lane| PRIMES[lane % 3].wrapping_add(lane as u64));
-    let (packs, rest) = samples.as_chunks::<{ 2 * LANES }>();
-    for pack in packs {
-        for (lane, pair) in lanes.iter_mut().zip(pack.as_chunks::<2>().0) {
-            *lane = round(*lane, u64::from(pair[0].to_bits()) << 32 | u64::from(pair[1].to_bits()), 0);
-        }
-    }
-    let mut end = KeyWriter::new();
-    end.words(&lanes);
-    rest.iter().for_each(|sample| _ = end.word(sample.to_bits().into()));
-    end.0
 }
 
 #[cfg(test)]

@@ -5,10 +5,7 @@
 use super::{Cut, KeyLines, Layer, Shot, Source};
 use crate::plate::Holes;
 use std::path::{Path, PathBuf};
-
-/// FNV-1a, 128 bits: Fowler, Noll, Vo and Eastlake, RFC 9923, <https://www.rfc-editor.org/rfc/rfc9923>.
-const FNV_OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-const FNV_PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+use twox_hash::XxHash3_128;
 
 impl Shot {
     /// Returns 32 hexadecimal digits over everything that affects the frames. Excluded are the name and folder of the
@@ -46,7 +43,7 @@ impl Shot {
 /// Returns 32 hexadecimal digits over a text.
 #[must_use]
 pub fn digest(text: &str) -> String {
-    format!("{:032x}", fnv1a(text.as_bytes()))
+    format!("{:032x}", XxHash3_128::oneshot(text.as_bytes()))
 }
 
 /// Returns a path relative to the shot, with `/` separators; outside its folder only the file name counts.
@@ -54,19 +51,5 @@ fn portable(path: &Path, folder: &Path) -> PathBuf {
     match path.strip_prefix(folder) {
         Ok(relative) if !relative.is_absolute() => relative.to_string_lossy().replace('\\', "/").into(),
         _ => path.file_name().map(PathBuf::from).unwrap_or_default(),
-    }
-}
-
-fn fnv1a(bytes: &[u8]) -> u128 {
-    bytes.iter().fold(FNV_OFFSET, |hash, &byte| (hash ^ u128::from(byte)).wrapping_mul(FNV_PRIME))
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn fnv1a_meets_its_published_values() {
-        assert_eq!(super::fnv1a(b""), 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
-        assert_eq!(super::fnv1a(b"a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
-        assert_eq!(super::fnv1a(b"foobar"), 0x343e_1662_793c_64bf_6f0d_3597_ba44_6f18);
     }
 }

@@ -181,8 +181,17 @@ impl<const D: usize> Branching<D> {
             });
             outside.fold(0.0, f64::max)
         };
-        let nearest = cuts.min_by(|a, b| gap(a.1).total_cmp(&gap(b.1))).map_or(0, |(place, _)| place);
-        self.pieces.of_cuts[first + nearest]
+        let mut nearest = (f64::INFINITY, 0);
+        for (place, cut) in cuts {
+            let gap = gap(cut);
+            if gap < nearest.0 {
+                nearest = (gap, place);
+            }
+            if gap == 0.0 {
+                break;
+            }
+        }
+        self.pieces.of_cuts[first + nearest.1]
     }
 
     /// The point of the shape that is nearest to a point, and its piece.

@@ -5,6 +5,7 @@
 use crate::scene::Primitive;
 use glam::Vec3;
 use std::collections::HashMap;
+use twox_hash::XxHash3_128;
 
 /// The vertices of a node's triangles, merged where they cannot separate.
 #[derive(Debug, Default)]
@@ -27,7 +28,7 @@ impl MeshGraph {
 
     /// Builds the graph of the primitives that a node draws.
     pub(super) fn of(primitives: &[&Primitive]) -> Self {
-        let mut known: HashMap<([u32; 3], u64), u32> = HashMap::new();
+        let mut known: HashMap<([u32; 3], u128), u32> = HashMap::new();
         let mut places: Vec<Vec3> = Vec::new();
         let mut joint_of: Vec<Vec<u32>> = Vec::new();
         for primitive in primitives {
@@ -74,10 +75,9 @@ fn bits(place: Vec3) -> [u32; 3] {
     (place + 0.0).to_array().map(f32::to_bits)
 }
 
-/// Hashes everything that can move a vertex relative to others at the same position: skin and morph targets. FNV-1a, 64 bits.
-fn motion(primitive: &Primitive, vertex: usize) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    let mut add = |value: u32| hash = (hash ^ u64::from(value)).wrapping_mul(0x100_0000_01b3);
+/// Hashes everything that can move a vertex relative to others at the same position: skin and morph targets.
+fn motion(primitive: &Primitive, vertex: usize) -> u128 {
+    let mut words: Vec<u32> = Vec::new();
     if let Some(influences) = primitive.influences.get(vertex) {
         let mut tied: Vec<(u16, u32)> = influences
             .iter()
@@ -85,15 +85,12 @@ fn motion(primitive: &Primitive, vertex: usize) -> u64 {
             .map(|influence| (influence.joint, influence.weight.to_bits()))
             .collect();
         tied.sort_unstable();
-        tied.into_iter().for_each(|(joint, weight)| {
-            add(u32::from(joint));
-            add(weight);
-        });
+        words.extend(tied.into_iter().flat_map(|(joint, weight)| [u32::from(joint), weight]));
     }
     for target in &primitive.targets {
-        bits(target.positions.get(vertex).copied().unwrap_or_default()).into_iter().for_each(&mut add);
+        words.extend(bits(target.positions.get(vertex).copied().unwrap_or_default()));
     }
-    hash
+    XxHash3_128::oneshot(bytemuck::cast_slice(&words))
 }
 
 #[cfg(test)]
