@@ -4,6 +4,7 @@
 //! layers solved.
 
 use crate::pipeline::{LayerMarks, LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample, resting_marks};
+use crate::raster::geometry::KeptParts;
 use crate::shot::{Layer, LayerSpace, PinRegion};
 use crate::solve::Cancel;
 
@@ -18,6 +19,8 @@ pub(super) struct DragSolve {
     resting: Vec<LayerMarks>,
     /// The inputs that the solvers were factored with.
     held: Vec<HeldPins>,
+    /// The parts of all other layers.
+    at_rest: KeptParts,
 }
 
 impl DragSolve {
@@ -32,7 +35,8 @@ impl DragSolve {
             solvers.push(prepared.layer_solver(&sample, &task, &path, &Cancel::never())?);
         }
         let resting = resting_marks(prepared, &sample);
-        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held: held_of(prepared, layers) })
+        let (held, at_rest) = (held_of(prepared, layers), prepared.parts_at_rest(layers));
+        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held, at_rest })
     }
 
     /// Returns whether this drag can be continued with these inputs.
@@ -65,6 +69,11 @@ impl DragSolve {
     /// Returns the frame as solved last.
     pub(super) const fn sample(&self) -> &TimeSample {
         &self.sample
+    }
+
+    /// Returns the parts of all layers that are not dragged.
+    pub(super) const fn at_rest(&self) -> &KeptParts {
+        &self.at_rest
     }
 }
 

@@ -10,6 +10,7 @@ use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
     JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
 };
+use crate::raster::geometry::KeptParts;
 use crate::raster::{self, DeviceChoice, Raster};
 use crate::shot::{LayerSpace, Shot};
 use crate::space::FrameSize;
@@ -174,7 +175,7 @@ impl FrameWorker {
         self.seen = Some(Arc::clone(&sample));
         self.send_solved(job, (&sample, was_settled), sender);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((job.frame, job), (&sample, quality), LOOK_MS, sender)?;
+        self.draw((job.frame, job), (&sample, &KeptParts::default(), quality), LOOK_MS, sender)?;
         if is_stale() {
             return Ok(false);
         }
@@ -203,7 +204,7 @@ impl FrameWorker {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let sample = prepared.unsolved_at(prepared.mid_exposure_time(f64::from(job.frame)))?;
-        let drawn = prepared.draft(self.device.as_deref_mut(), &sample, prepared.shot.size)?;
+        let drawn = prepared.draft(self.device.as_deref_mut(), (&sample, &KeptParts::default()), prepared.shot.size)?;
         let picture = Picture::of(&drawn, (job.frame, job.revision), Quality::Draft);
         sender.send(Reply::Before(Arc::new(picture)));
         Ok(())
@@ -217,7 +218,7 @@ impl FrameWorker {
         let own = Job { frame, ..job.clone() };
         self.send_solved(&own, (&sample, is_settled), sender);
         let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((frame, job), (&sample, quality), PLAY_MS, sender)
+        self.draw((frame, job), (&sample, &KeptParts::default(), quality), PLAY_MS, sender)
     }
 
     fn drag(&mut self, job: &Job, layers: &[usize], sender: &ReplySender) -> Result<(), PipelineError> {
@@ -238,7 +239,7 @@ impl FrameWorker {
         sender.send(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
-        let drawn = self.draw((job.frame, job), (drag.sample(), Quality::Provisional), left_ms, sender);
+        let drawn = self.draw((job.frame, job), (drag.sample(), drag.at_rest(), Quality::Provisional), left_ms, sender);
         self.drag = Some(drag);
         drawn
     }
@@ -266,7 +267,7 @@ impl FrameWorker {
     fn draw(
         &mut self,
         (frame, job): (i32, &Job),
-        (sample, quality): (&TimeSample, Quality),
+        (sample, kept, quality): (&TimeSample, &KeptParts, Quality),
         longest_ms: f64,
         sender: &ReplySender,
     ) -> Result<(), PipelineError> {
@@ -274,7 +275,7 @@ impl FrameWorker {
         let full: FrameSize = open.prepared().shot.size;
         let size = self.drafts.within(full, longest_ms);
         let begun = Instant::now();
-        let drawn = open.prepared().draft(self.device.as_deref_mut(), sample, size)?;
+        let drawn = open.prepared().draft(self.device.as_deref_mut(), (sample, kept), size)?;
         let picture = Picture::of(&drawn, (frame, job.revision), quality);
         if self.device.is_some() {
             self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);

@@ -7,7 +7,7 @@ use super::report::report;
 use crate::image::CameraMatrices;
 use crate::pipeline::prepare::lighting;
 use crate::pipeline::{FrameReport, JerkMeter, PipelineError, PreparedShot, TimeSample, plan_passes};
-use crate::raster::geometry::{self, Assembly, PartWarp, assemble};
+use crate::raster::geometry::{self, Assembly, KeptParts, PartWarp, assemble_keeping};
 use crate::raster::{ChannelGroup, Geometry, PassRole};
 use glam::Vec2;
 use std::sync::Arc;
@@ -144,12 +144,22 @@ pub(in crate::pipeline) fn geometry_of(
     now: &TimeSample,
     around: Option<[&TimeSample; 2]>,
 ) -> Geometry {
+    geometry_keeping(prepared, now, around, &KeptParts::default())
+}
+
+/// Same as [`geometry_of`], with parts that have been built before.
+pub(in crate::pipeline) fn geometry_keeping(
+    prepared: &PreparedShot,
+    now: &TimeSample,
+    around: Option<[&TimeSample; 2]>,
+    kept: &KeptParts,
+) -> Geometry {
     let warps = now.warps(&prepared.assignment, |_| true);
     let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
     let neighbours = around
         .zip(around_warps.as_ref())
         .map(|(samples, warps)| [view_of(samples[0], &warps[0]), view_of(samples[1], &warps[1])]);
-    let mut geometry = assemble(&Assembly {
+    let assembly = Assembly {
         scene: &prepared.scene,
         now: view_of(now, &warps),
         neighbours,
@@ -157,7 +167,8 @@ pub(in crate::pipeline) fn geometry_of(
         lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
         environment: lighting::environment(&prepared.shot, &now.pose),
         line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
-    });
+    };
+    let mut geometry = assemble_keeping(&assembly, kept);
     geometry
         .draws
         .retain(|draw| prepared.draw_inputs.hidden_layers.iter().all(|&layer| draw.layer_id != layer as u32 + 1));

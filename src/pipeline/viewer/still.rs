@@ -4,7 +4,7 @@
 
 use crate::image::{Frame, Plate, SequencePath, read_any};
 use crate::pipeline::draw::draw_frame;
-use crate::pipeline::draw::geometry_thread::geometry_of;
+use crate::pipeline::draw::geometry_thread::geometry_keeping;
 use crate::pipeline::draw::passes::mid_shutter;
 use crate::pipeline::evaluate::screen_layer;
 use crate::pipeline::evaluate::timed_layer;
@@ -14,6 +14,7 @@ use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
 use crate::pipeline::{PipelineError, PreparedShot, TimeSample};
 use crate::plate::{LayerJob, PlateJob, warp_plate};
+use crate::raster::geometry::KeptParts;
 use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
 use crate::shot::{LayerSpace, Source};
 use crate::solve::SolveError;
@@ -88,19 +89,35 @@ impl PreparedShot {
         matches!(self.shot.source, Source::Scene(_))
     }
 
-    /// Draws a solved time with one sample per pixel.
+    /// Returns the parts that stay the same while only these layers move; none if a layer of the scene is among them, which may
+    /// displace the parts of all others.
+    #[must_use]
+    pub fn parts_at_rest(&self, moved: &[usize]) -> KeptParts {
+        let mut is_kept = vec![true; self.assignment.layer_of_part.len()];
+        for &layer in moved {
+            match self.shot.layers[layer].space {
+                LayerSpace::Screen { .. } => {
+                    self.assignment.parts_of_layer[layer].iter().for_each(|&part| is_kept[part] = false);
+                }
+                LayerSpace::World { .. } => is_kept.fill(false),
+            }
+        }
+        KeptParts::new(is_kept)
+    }
+
+    /// Draws a solved time with one sample per pixel. `kept`: parts that have been built for this time before.
     ///
     /// # Errors
     /// [`PipelineError`] if drawing fails.
     pub fn draft(
         &self,
         device: Option<&mut Device>,
-        sample: &TimeSample,
+        (sample, kept): (&TimeSample, &KeptParts),
         size: FrameSize,
     ) -> Result<Frame, PipelineError> {
         match (device, &self.shot.source) {
             (Some(device), Source::Scene(_)) => {
-                let geometry = geometry_of(self, sample, None);
+                let geometry = geometry_keeping(self, sample, None, kept);
                 let target = Target {
                     frame: size,
                     window: size.window(),

@@ -8,6 +8,7 @@ use crate::pose::{Pose, PosedLight};
 use crate::raster::{Draw, MATTE_LAYERS, RasterVertex};
 use crate::scene::Scene;
 use crate::screen::Camera;
+use std::sync::OnceLock;
 
 /// The scene as projected at one time, with its solved lattices.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +52,7 @@ pub struct Submesh {
 }
 
 /// One part, ready to be joined with the others.
+#[derive(Clone, Debug)]
 pub(super) struct BuiltPart {
     pub(super) vertices: Vec<RasterVertex>,
     /// The triangles of all submeshes, consecutively.
@@ -58,4 +60,18 @@ pub(super) struct BuiltPart {
     /// One draw per submesh, and the end of its triangles. Index ranges are filled in when the parts are joined.
     pub(super) draws: Vec<(Draw, usize)>,
     pub(super) is_blended: bool,
+}
+
+/// Parts that stay the same from one assembly of a time to the next; they are built once.
+#[derive(Debug, Default)]
+pub struct KeptParts {
+    /// #parts: the built part; `None` for parts that are built again each time.
+    pub(super) parts: Vec<Option<OnceLock<BuiltPart>>>,
+}
+
+impl KeptParts {
+    /// `is_kept`: #parts, whether a part stays the same.
+    pub fn new(is_kept: impl IntoIterator<Item = bool>) -> Self {
+        Self { parts: is_kept.into_iter().map(|is_kept| is_kept.then(OnceLock::new)).collect() }
+    }
 }

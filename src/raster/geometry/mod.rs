@@ -12,7 +12,7 @@ mod sort;
 mod split;
 mod vertex;
 
-pub use assembly::{Assembly, PosedScene, Submesh};
+pub use assembly::{Assembly, KeptParts, PosedScene, Submesh};
 pub use part_warp::{BranchWarp, PartPoint, PartWarp, WarpBlend};
 
 use super::{Draw, Geometry, RasterVertex};
@@ -30,10 +30,19 @@ use vertex::{ClipVertex, DepthRange, VertexList};
 /// Assembles the geometry of one time.
 #[must_use]
 pub fn assemble(assembly: &Assembly) -> Geometry {
+    assemble_keeping(assembly, &KeptParts::default())
+}
+
+/// Same as [`assemble`], with parts that have been built before.
+#[must_use]
+pub fn assemble_keeping(assembly: &Assembly, kept: &KeptParts) -> Geometry {
     let camera = assembly.now.camera;
     let range = DepthRange::of(assembly.now.pose, camera);
-    let parts: Vec<BuiltPart> =
-        (0..assembly.now.pose.parts.len()).into_par_iter().map(|part| build(assembly, part, range)).collect();
+    let built = |part: usize| match kept.parts.get(part) {
+        Some(Some(kept)) => kept.get_or_init(|| build(assembly, part, range)).clone(),
+        _ => build(assembly, part, range),
+    };
+    let parts: Vec<BuiltPart> = (0..assembly.now.pose.parts.len()).into_par_iter().map(built).collect();
     let mut geometry = Geometry {
         eye: camera.eye(),
         parallel_view: camera.is_parallel().then(|| camera.towards_viewer()),

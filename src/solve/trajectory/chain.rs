@@ -262,9 +262,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             if knot.drawing != next.drawing {
                 return Interior::Coupled;
             }
-            // Where pieces split and join, the energy itself may jump a little.
-            let is_convex = knot.displacement.copies == next.displacement.copies
-                && is_convex_at[index]
+            let is_convex = is_convex_at[index]
                 && is_convex_at[index + 1]
                 && knot.is_convex_halfway(next, CONVEX_FACTOR * weights[index]);
             match (is_convex, is_steady(knots, index, least_speed)) {
