@@ -70,6 +70,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) weight: f64,
     /// Speed limit of each interval: largest move of a point, in units of the space.
     limits: Vec<f64>,
+    /// Whether the weight of each interval was raised for the speed limit, and not just beside such intervals.
+    is_spread: Vec<bool>,
     coupling: Coupling,
     /// Mean diagonal of the boxes.
     diagonal: f64,
@@ -92,6 +94,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             forward_count: 0,
             weight,
             limits: Vec::new(),
+            is_spread: Vec::new(),
             coupling: *coupling,
             diagonal,
             cancel,
@@ -114,21 +117,24 @@ impl<'a, const D: usize> Chain<'a, D> {
             };
             self.weights.push(weight);
             self.limits.push(limit);
+            self.is_spread.push(false);
         }
     }
 
     /// Removes the first `count` knots and the intervals that begin at them. The first remaining knot becomes final.
     pub(crate) fn take_front(&mut self, count: usize) -> Vec<SettledKnot<D>> {
         let intervals = count.min(self.weights.len());
-        let mut interiors = self.interiors(intervals).into_iter();
-        let mut weights = self.weights.drain(..intervals);
+        let interiors = self.interiors(intervals);
+        let settled = self.weights.drain(..intervals).zip(interiors).zip(self.is_spread.drain(..intervals));
+        let mut settled =
+            settled.map(|((weight, interior), is_spread)| SettledInterval { weight, interior, is_spread });
         let front = self.knots.drain(..count).map(|knot| SettledKnot {
             drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
             state: knot.map(|knot| knot.displacement),
-            interval: weights.next().zip(interiors.next()),
+            interval: settled.next(),
         });
         let front = front.collect();
-        drop(weights);
+        drop(settled);
         self.limits.drain(..intervals);
         self.forward_count -= count;
         self.settled = 1;
@@ -225,6 +231,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             let weight = wanted.min(MAX_SPEED_WEIGHT_FACTOR * self.weight);
             let [first, last] = self.window(index, excess * self.limits[index]);
             raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
+            self.is_spread[first..=last].fill(true);
         }
         self.taper(&mut raised);
         let is_raised = raised != self.weights;
@@ -311,8 +318,18 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) state: Option<Displacement<D>>,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
-    /// The weight of the interval that begins at the knot, and how times within it are solved; `None` at the last knot.
-    pub(crate) interval: Option<(f64, Interior)>,
+    /// The interval that begins at the knot; `None` at the last knot.
+    pub(crate) interval: Option<SettledInterval>,
+}
+
+/// An interval removed from the chain.
+pub(crate) struct SettledInterval {
+    /// ω.
+    pub(crate) weight: f64,
+    /// How times within it are solved.
+    pub(crate) interior: Interior,
+    /// Whether a fast motion is spread over it.
+    pub(crate) is_spread: bool,
 }
 
 /// Whether the speed hardly changes at both ends of an interval.

@@ -20,8 +20,7 @@ use super::minimization::MinimizationResult;
 use super::report::Solution;
 use super::settings::Settings;
 use super::targets::Targets;
-use chain::Chain;
-use continuity::Interior;
+use chain::{Chain, SettledInterval};
 use displacement::Displacement;
 use knot::{Knot, Proximal};
 use rayon::prelude::*;
@@ -42,7 +41,7 @@ pub struct Trajectory<const D: usize> {
     interior_weights: Vec<f64>,
     /// ω of intervals whose weight was not raised.
     weight: f64,
-    /// Runs of intervals whose weight was raised.
+    /// Runs of intervals over which a fast motion is spread.
     spreads: Vec<Spread>,
 }
 
@@ -97,23 +96,24 @@ impl<const D: usize> Trajectory<D> {
         }
         let weight = chain.weight;
         done.extend(chain.take_front(chain.knots.len()));
-        let (weights, interiors): (Vec<f64>, Vec<Interior>) = done.iter().filter_map(|knot| knot.interval).unzip();
+        let intervals: Vec<SettledInterval> = done.iter_mut().filter_map(|knot| knot.interval.take()).collect();
+        let weights = intervals.iter().map(|interval| interval.weight).collect();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
         let knots = SolvedKnots { coupling, states, drawings, weights };
-        let search = |&(index, interior): &(usize, &Interior)| {
+        let search = |&(index, interval): &(usize, &SettledInterval)| {
             // A problem that cannot be built between two knots is reported when its own frame is solved.
-            let weight = interior.weight(&knots, index, &|time| knot_at(time).ok().flatten());
+            let weight = interval.interior.weight(&knots, index, &|time| knot_at(time).ok().flatten());
             part_done();
             weight
         };
-        let intervals: Vec<_> = interiors.iter().enumerate().collect();
         let mut interior_weights = Vec::with_capacity(intervals.len());
+        let numbered: Vec<_> = intervals.iter().enumerate().collect();
         // Cancellation is polled by this thread alone.
-        for some in intervals.chunks(rayon::current_num_threads()) {
+        for some in numbered.chunks(rayon::current_num_threads()) {
             cancel.check().map_err(SolveError::from)?;
             interior_weights.extend(some.par_iter().map(search).collect::<Vec<f64>>());
         }
-        Ok(Self { spreads: find_spreads(&knots, weight), knots, interior_weights, weight })
+        Ok(Self { spreads: find_spreads(&knots, &intervals), knots, interior_weights, weight })
     }
 
     /// Number of knots with a state.
@@ -190,11 +190,11 @@ impl<const D: usize> Trajectory<D> {
     }
 }
 
-/// Runs of intervals whose weight is above the initial `weight`.
-fn find_spreads<const D: usize>(knots: &SolvedKnots<D>, weight: f64) -> Vec<Spread> {
-    let SolvedKnots { coupling, states, weights, .. } = knots;
+/// Runs of intervals over which a fast motion is spread.
+fn find_spreads<const D: usize>(knots: &SolvedKnots<D>, intervals: &[SettledInterval]) -> Vec<Spread> {
+    let SolvedKnots { coupling, states, .. } = knots;
     let mut spreads: Vec<Spread> = Vec::new();
-    for index in (0..weights.len()).filter(|&index| weights[index] > weight) {
+    for index in (0..intervals.len()).filter(|&index| intervals[index].is_spread) {
         let [Some(state), Some(next)] = &states[index..=index + 1] else { continue };
         let speed = state.farthest(next) * f64::from(coupling.knots_per_frame);
         let frames = [index, index + 1].map(|knot| coupling.knot_time(knot));
