@@ -109,7 +109,7 @@ impl<const D: usize> Trajectory<D> {
         let mut interior_weights = Vec::with_capacity(intervals.len());
         let numbered: Vec<_> = intervals.iter().enumerate().collect();
         // Cancellation is polled by this thread alone.
-        for some in numbered.chunks(rayon::current_num_threads()) {
+        for some in numbered.chunks(4 * rayon::current_num_threads()) {
             cancel.check().map_err(SolveError::from)?;
             interior_weights.extend(some.par_iter().map(search).collect::<Vec<f64>>());
         }
