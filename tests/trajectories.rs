@@ -336,7 +336,7 @@ fn frames_whose_pins_rest_are_at_rest_whatever_is_between_them() {
         let coupling = Coupling { last: 48.0, ..coupling(WEIGHT) };
         let trajectory = Trajectory::solve(&limb, coupling, &Cancel::never()).expect("solved");
         let motion = Motion { limb: &limb, trajectory: Some(trajectory) };
-        let moved = |time: f64| farthest(&motion.points(time), &limb.points());
+        let moved = |time: f64| farthest(&motion.points(time), limb.points());
         assert!(moved(0.0) < 1e-6 && moved(48.0) < 1e-6, "{name}: {} and {} px from rest", moved(0.0), moved(48.0));
         assert!(moved(22.0) > 100.0, "{name}: it moves by {} px", moved(22.0));
     }

@@ -5,6 +5,7 @@
 use super::displacement::Displacement;
 use super::knot::Proximal;
 use super::timeline::Coupling;
+use crate::solve::linalg::small_matrix::minus;
 
 /// Solved knots, and the weights of the intervals between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,16 +37,15 @@ impl<const D: usize> SolvedKnots<D> {
         if cubic > 0.0 {
             let [before, after] = [interval.checked_sub(1), Some(interval + 1)].map(|index| self.tie(index, interval));
             for (index, point) in displacement.points.iter_mut().enumerate() {
-                for d in 0..D {
-                    let chord = to.points[index][d] - from.points[index][d];
-                    // Velocities at the knots, from the line between them.
-                    let [start, end] = [before, after].map(|beside| {
-                        let beside =
-                            beside.map_or(0.0, |(ratio, [a, b])| ratio * (b.points[index][d] - a.points[index][d]));
-                        f64::midpoint(chord, beside) - chord
-                    });
-                    point[d] += cubic * s * (1.0 - s) * ((1.0 - s) * start - s * end);
-                }
+                let step = |a: &Displacement<D>, b: &Displacement<D>| minus(&b.points[index], &a.points[index]);
+                let chord = step(from, to);
+                // Velocities at the knots, from the line between them.
+                let [start, end] = [before, after].map(|beside| {
+                    let beside = beside.map_or([0.0; D], |(ratio, [a, b])| step(a, b).map(|by| ratio * by));
+                    std::array::from_fn::<f64, D, _>(|d| f64::midpoint(chord[d], beside[d]) - chord[d])
+                });
+                let by = |d: usize| cubic * s * (1.0 - s) * ((1.0 - s) * start[d] - s * end[d]);
+                *point = std::array::from_fn(|d| point[d] + by(d));
             }
         }
         Some(Proximal { displacement, weight: 2.0 * weight / (s * (1.0 - s)) })
