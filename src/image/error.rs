@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum ImageError {
     /// An error of the file system.
-    #[error("cannot {action} {}: {source}{}", path.display(), remedy(source.kind()))]
+    #[error("cannot {action} {}: {source}{}", path.display(), remedy(path, source.kind()))]
     Io {
         /// `read` or `write`.
         action: &'static str,
@@ -93,8 +93,10 @@ impl ImageError {
 }
 
 /// Returns advice for the user, starting with `; `, or an empty string.
-fn remedy(kind: ErrorKind) -> &'static str {
+fn remedy(path: &Path, kind: ErrorKind) -> &'static str {
     match kind {
+        // Windows denies access to a folder that is opened as a file.
+        ErrorKind::PermissionDenied if path.is_dir() => "; a folder of that name exists",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "; free some space or choose another output folder (frames already written are whole)"
         }

@@ -228,7 +228,7 @@ mod tests {
     use super::*;
 
     fn path_of(pattern: &str, frame: i32) -> String {
-        SequencePath::parse(Path::new(pattern)).expect(pattern).path_of(frame).display().to_string()
+        SequencePath::parse(Path::new(pattern)).expect(pattern).path_of(frame).display().to_string().replace('\\', "/")
     }
 
     #[test]

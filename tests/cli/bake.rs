@@ -1,6 +1,6 @@
 //! `pinwarp bake`: trajectories solved ahead, kept beside the frames, the same as those solved on the spot.
 
-use crate::support::{Bench, HEAD, OUTPUT, PIN, PROGRAM, names_in};
+use crate::support::{Bench, HEAD, OUTPUT, PIN, PROGRAM, names_in, with_slashes};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
@@ -117,7 +117,7 @@ fn events_in_json_and_shots_without_time() {
         "{kinds:?}"
     );
     let done = events.iter().find(|event| event["event"] == "layer_done").expect("a layer is done");
-    let path = done["path"].as_str().expect("a path");
+    let path = &*with_slashes(done["path"].as_str().expect("a path"));
     assert!(path.starts_with("elsewhere/.pinwarp-trajectories") && bench.path(path).is_file(), "{path}");
     assert_eq!((done["knots"].as_u64(), done["is_kept"].as_bool()), (Some(9), Some(false)));
     assert_eq!(events[events.len() - 1]["solved"], 1);

@@ -143,7 +143,7 @@ fn plates_are_warped_by_jobs_too() {
     bench.render("-o in/b.####.exr").says(0, &[]);
     tells(bench.run("job shot.toml --warp in/b.####.exr warped/b.####.exr"), 0, &["2 frames in 1 task"]);
     let steps = template(&bench, "shot.openjd.json")["steps"].clone();
-    let words = |step: usize| steps[step]["script"]["actions"]["onRun"]["args"].to_string();
+    let words = |step: usize| steps[step]["script"]["actions"]["onRun"]["args"].to_string().replace(r"\\", "/");
     assert!(words(1).starts_with(r#"["warp","#) && words(1).contains("in/b.####.exr"), "{}", words(1));
     assert!(words(2).contains("warped/b.####.exr"), "{}", words(2));
     bench.run("warp in/b.####.exr --shot shot.toml -o warped/b.####.exr --device cpu --openjd").says(0, &[]);

@@ -133,13 +133,19 @@ impl Bench {
     }
 }
 
+/// A text with the separators of paths that the tests expect.
+pub(crate) fn with_slashes(text: &str) -> String {
+    if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() }
+}
+
 impl Ended {
     /// Checks the exit code, and that the error output says all of `words`.
     #[track_caller]
     pub(crate) fn says(self, code: i32, words: &[&str]) -> Self {
         assert_eq!(self.code, Some(code), "{}", self.stderr);
+        let told = with_slashes(&self.stderr);
         for word in words {
-            assert!(self.stderr.contains(word), "{word:?} is not in:\n{}", self.stderr);
+            assert!(told.contains(word), "{word:?} is not in:\n{told}");
         }
         self
     }

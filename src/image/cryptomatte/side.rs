@@ -78,7 +78,7 @@ mod tests {
     fn a_side_file_that_is_gone_or_damaged_is_told_and_nothing_changes() {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("empty.json"), "{").expect("written");
-        for (file, why) in [("gone.json", "No such file"), ("empty.json", "there are none")] {
+        for (file, why) in [("gone.json", "os error 2"), ("empty.json", "there are none")] {
             let mut plate = plate(file);
             take_in_manifests(&mut plate, &folder.path().join("a.exr"));
             assert_eq!(headers(&plate)[0].side_file.as_deref(), Some(file));

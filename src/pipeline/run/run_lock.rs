@@ -149,6 +149,7 @@ mod tests {
         remove_dead(&folder.path().join("f.0001.exr"));
         assert!(newborn.exists());
         file.set_modified(SystemTime::now() - 2 * NEWBORN).expect("a time");
+        drop(file);
         remove_dead(&folder.path().join("f.0001.exr"));
         assert!(!newborn.exists(), "its run died before it wrote");
     }
