@@ -62,7 +62,7 @@ fn driven(shot: &Shot, shape: &ShotShape) -> Result<usize, LiveError> {
         let first = shot.layers.iter().position(|layer| is_of_screen(layer) && layer.transfer.is_none());
         return first.ok_or_else(|| fault("no screen-space layer accepts pins".into(), hint));
     };
-    let Some(index) = shot.layers.iter().position(|layer| layer.name == *name) else {
+    let Some(index) = shot.layer_index(name) else {
         let names: Vec<&str> = shot.layers.iter().map(|layer| layer.name.as_str()).collect();
         return Err(fault(format!("there is no layer '{name}'"), format!("its layers: {}", names.join(", "))));
     };

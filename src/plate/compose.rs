@@ -87,8 +87,8 @@ fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mu
 /// Counts the holes of the first view that has any, and reports the channels that nothing fills.
 fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut PlateReport) {
     let holes = group.occlusion.holes.iter().flatten().filter(|hole| **hole > MIN_VISIBLE).count();
-    if report.hole_pixels == 0 {
-        report.hole_pixels = holes;
+    if report.uncovered_pixels == 0 {
+        report.uncovered_pixels = holes;
     }
     let filling = compositor.filling.as_ref().filter(|filling| holes > 0 && filling.refusal.is_none());
     let Some(filling) = filling else { return };

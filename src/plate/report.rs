@@ -11,7 +11,7 @@ pub struct PlateReport {
     /// Every channel of every part, in the plate's order.
     pub channels: Vec<ChannelReport>,
     /// Pixels of the first view's beauty that a matted layer left uncovered, including those that were filled.
-    pub hole_pixels: usize,
+    pub uncovered_pixels: usize,
     /// Pixels of the first view's beauty where a layer folds over itself. The front is shown; the warp cannot be undone there.
     pub folded_pixels: usize,
     /// Colour samples that were NaN (replaced by 0) or infinite (replaced by 65504) and would have spread to their neighbours.

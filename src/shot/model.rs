@@ -67,6 +67,12 @@ impl Shot {
         }
     }
 
+    /// Returns the index of the layer of this name.
+    #[must_use]
+    pub fn layer_index(&self, name: &str) -> Option<usize> {
+        self.layers.iter().position(|layer| layer.name == name)
+    }
+
     /// Returns the files that the shot refers to, except sequences: scene or pictures, masks, and lattices to transfer.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let drawn = match &self.source {

@@ -113,7 +113,7 @@ fn a_layer_picked_by_cryptomatte_takes_its_ids_and_leaves_the_others() {
         warped(&matted(), vec![layer("ball", Field::identity(), Some(pick(&["ba*"])))], &WarpSettings::default()).0;
     let (moved, report) =
         warped(&matted(), vec![layer("ball", shift(6, 0, 24), Some(pick(&["ball"])))], &WarpSettings::default());
-    assert!(report.hole_pixels > 0);
+    assert!(report.uncovered_pixels > 0);
     for pixel in 0..FRAME.area() {
         let (x, y) = (pixel as u32 % FRAME.width, pixel as u32 / FRAME.width);
         let before = at(&matted(), pixel);

@@ -48,7 +48,7 @@ fn at(plate: &Plate, name: &str, x: usize, y: usize) -> f32 {
 #[test]
 fn a_layer_that_stays_gives_the_picture_back() {
     let (still, report) = warped(&room(), vec![layer("square", Field::identity(), mask())], &WarpSettings::default());
-    assert_eq!(report.hole_pixels, 0, "soft edges are no holes");
+    assert_eq!(report.uncovered_pixels, 0, "soft edges are no holes");
     for part in &room().parts {
         for source in &part.channels {
             let worst = source.samples.iter().zip(samples(&still, &source.name)).map(|(a, b)| (a - b).abs());
@@ -63,7 +63,7 @@ fn a_layer_that_stays_gives_the_picture_back() {
 fn a_layer_that_moves_leaves_a_hole_and_covers_the_rest() {
     let (moved, report) = warped(&room(), vec![layer("square", shift(9, 0, 16), mask())], &WarpSettings::default());
     // 8 x 8 pixels had a share in the square; its left edge lands on 14, where the hole ends at 12.
-    assert_eq!(report.hole_pixels, 64);
+    assert_eq!(report.uncovered_pixels, 64);
     for (x, r, a, z, id) in [
         (2, 0.25 + 2.0 / 256.0, 1.0, 12.0, 1),
         (8, 0.0, 0.0, EMPTY_DEPTH, 0),
@@ -88,7 +88,7 @@ fn an_edge_that_moves_a_little_stays_closed() {
         assert_eq!(at(&moved, "A", x, 8), expected, "{x}");
     }
     assert_eq!(at(&moved, "A", 5, 8), 0.5);
-    assert!(report.hole_pixels > 0);
+    assert!(report.uncovered_pixels > 0);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn a_clean_plate_fills_holes_and_nothing_else() {
     let layers = vec![layer("square", shift(9, 0, 16), mask())];
     let job = PlateJob { layers, settings: &settings, fill: Some(&clean) };
     let (filled, report) = warp_plate(&room(), &job).expect("the matte is there");
-    assert_eq!(report.hole_pixels, 64, "filled holes are counted too");
+    assert_eq!(report.uncovered_pixels, 64, "filled holes are counted too");
     assert_eq!((at(&filled, "R", 8, 8), at(&filled, "A", 8, 8), at(&filled, "Z", 8, 8)), (0.5, 1.0, 28.0));
     assert_eq!((at(&filled, "R", 17, 8), at(&filled, "Z", 17, 8)), (2.0, 3.0));
     // The soft rim of the hole: half wall, half clean plate.
@@ -116,7 +116,7 @@ fn mattes_by_id_and_alpha() {
     assert_eq!((at(&moved, "Z", 8, 8), at(&moved, "Z", 17, 8)), (EMPTY_DEPTH, 3.0));
     let (moved, report) =
         warped(&room(), vec![layer("all", shift(3, 0, 16), Some(Matte::Alpha))], &WarpSettings::default());
-    assert_eq!((at(&moved, "Z", 11, 8), at(&moved, "R", 0, 8), report.hole_pixels), (3.0, 0.0, 0));
+    assert_eq!((at(&moved, "Z", 11, 8), at(&moved, "R", 0, 8), report.uncovered_pixels), (3.0, 0.0, 0));
 }
 
 #[test]

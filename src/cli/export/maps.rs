@@ -90,7 +90,7 @@ impl Maps {
             writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
         }
         if let (Some(prepared), [only], None) = (&prepared, lattices.layers.as_slice(), &parts)
-            && layer_index(prepared, only).is_some_and(|layer| prepared.moves_own_nodes(layer))
+            && prepared.shot.layer_index(&only.name).is_some_and(|layer| prepared.moves_own_nodes(layer))
         {
             let remedy = "apply it to an element that shows nothing else";
             writeln!(
@@ -286,14 +286,11 @@ impl Maps {
 /// Returns the layers of the shot that the lattices belong to, if there are several, or one with branches, and each
 /// moves its own nodes.
 fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize>> {
-    let of_track = |track: &LatticeTrack| layer_index(prepared, track).filter(|&layer| prepared.moves_own_nodes(layer));
+    let of_track =
+        |track: &LatticeTrack| prepared.shot.layer_index(&track.name).filter(|&layer| prepared.moves_own_nodes(layer));
     let layers: Option<Vec<usize>> = lattices.layers.iter().map(of_track).collect();
     let has_branches = lattices.has_branches();
     layers.filter(|layers| layers.len() > 1 || has_branches)
-}
-
-fn layer_index(prepared: &PreparedShot, track: &LatticeTrack) -> Option<usize> {
-    prepared.shot.layers.iter().position(|layer| layer.name == track.name)
 }
 
 /// Returns the branches stored in a file's track, for lattices without a shot.

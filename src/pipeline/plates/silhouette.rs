@@ -24,7 +24,7 @@ impl<'a> Silhouette<'a> {
     /// Creates the silhouette of everything, or of one layer given by its name.
     #[must_use]
     pub fn of(prepared: &'a PreparedShot, layer: Option<&str>) -> Self {
-        let layer = layer.and_then(|name| prepared.shot.layers.iter().position(|layer| layer.name == name));
+        let layer = layer.and_then(|name| prepared.shot.layer_index(name));
         let scene = prepared.shot.scene().map(|_| SceneAtRest::new(prepared, &DeviceChoice::Cpu, Vec::new()));
         Self { prepared, layer, scene: scene.map(SceneAtRest::with_one_sample) }
     }
@@ -65,7 +65,7 @@ impl<'a> Silhouette<'a> {
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn branches(&self, frame: i32, (layer, size): (&str, FrameSize)) -> Result<Option<SharedParts>, PipelineError> {
-        let Some(index) = self.prepared.shot.layers.iter().position(|own| own.name == layer) else { return Ok(None) };
+        let Some(index) = self.prepared.shot.layer_index(layer) else { return Ok(None) };
         let sample = self.prepared.sample_at(f64::from(frame))?;
         let parts = self.prepared.branch_parts(index, (&sample, None), (size, Exposure::Instant));
         Ok(parts.and_then(fields_of))

@@ -94,9 +94,10 @@ impl<'a> Stage<'a> {
                 warped.map(|warped| (warped, pictures.memory))
             });
             let outcome = outcome.map(|((plate, report, mattes), memory)| {
-                let PlateReport { channels, hole_pixels, folded_pixels, contained_samples, warnings } = report;
+                let PlateReport { channels, uncovered_pixels, folded_pixels, contained_samples, warnings } = report;
                 let is_filled = self.job.settings.holes != Holes::Leave;
-                let [hole_pixels, filled_pixels] = if is_filled { [0, hole_pixels] } else { [hole_pixels, 0] };
+                let [hole_pixels, filled_pixels] =
+                    if is_filled { [0, uncovered_pixels] } else { [uncovered_pixels, 0] };
                 let warp_ms = begun.elapsed().as_secs_f64() * 1e3;
                 let report = WarpReport {
                     frame,

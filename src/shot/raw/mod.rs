@@ -65,7 +65,7 @@ pub(super) struct RawShot {
     /// Width and height of the frame in pixels; default: that of the first picture, or of the plate; for a scene [1920, 1080].
     #[schemars(inner(range(min = 1, max = 65536)), example = serde_json::json!([1920, 1080]))]
     pub(super) size: Option<[u32; 2]>,
-    /// Width of a pixel divided by its height; default: 1, for pictures that of the first.
+    /// Width of a pixel divided by its height; default: that of the first picture, or of the plate; for a scene 1.
     #[schemars(range(min = 0.1, max = 10.0), example = 1.0)]
     pub(super) pixel_aspect: Option<f64>,
     /// Samples per pixel, distributed over the pixel and the shutter interval.
