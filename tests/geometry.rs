@@ -4,7 +4,7 @@ use glam::{DVec2, Mat4, Quat, Vec2, Vec3};
 use pinwarp::lattice::{Basis, Grid, ScreenLattice};
 use pinwarp::pose::{Pose, PosedPart};
 use pinwarp::raster::Geometry;
-use pinwarp::raster::geometry::{Assembly, PartWarp, PosedScene, Submesh, assemble};
+use pinwarp::raster::geometry::{Assembly, PartWarp, PosedScene, Submesh, WarpBlend, assemble};
 use pinwarp::scene::{AlphaMode, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
 use pinwarp::screen::Camera;
 use pinwarp::space::{FrameSize, ScenePoint, SceneVector, ScreenBox, ScreenPoint};
@@ -134,6 +134,36 @@ fn a_split_mesh_follows_the_warp_to_a_tenth_of_a_pixel() {
         worst = worst.max(wanted.0.distance(DVec2::new(x / w, y / w)));
     }
     assert!(worst < 1e-4, "worst deviation {worst} frame heights");
+}
+
+/// Splits that halve halves again: weights of vertices that were created on edges are those of the edge.
+#[test]
+fn a_split_blend_moves_every_point_by_its_weights() {
+    // Seen straight on, so that weights, like colours, are linear on the screen.
+    let mut source = quad(1.4, -3.0);
+    let weights = [[1.0, 0.0], [0.25, 0.5], [0.0, 0.875], [0.5, 0.125]];
+    source.colors = weights.iter().map(|&[r, g]| glam::Vec4::new(r, g, 0.0, 1.0)).collect();
+    let scene = scene_of(vec![source], vec![Material::default()]);
+    let lattices = [bulge(), {
+        let mut other = bulge();
+        other.handles[63][0] -= 0.3;
+        other
+    }];
+    let camera = camera();
+    for count in [1, 2] {
+        let rows: Vec<f32> = weights.iter().flat_map(|row| &row[..count]).copied().collect();
+        let layers = lattices[..count].iter().map(PartWarp::Lattice).collect();
+        let warp = PartWarp::Blend(WarpBlend { layers, weights: &rows });
+        let geometry = build_warped(&scene, &still(&scene), &[warp]);
+        assert!(geometry.vertices.len() > 100, "{}", geometry.vertices.len());
+        for (index, vertex) in geometry.vertices.iter().enumerate() {
+            let rest = camera.project(ScenePoint(Vec3::from_array(vertex.position))).point();
+            let moves = lattices[..count].iter().zip(vertex.color);
+            let by: DVec2 = moves.map(|(lattice, weight)| (lattice.warp(rest) - rest).0 * f64::from(weight)).sum();
+            let now = place(&geometry, index as u32);
+            assert!(now.distance(rest.0 + by) < 1e-5, "{count} lattices, vertex {index}: {now} is not {}", rest.0 + by);
+        }
+    }
 }
 
 #[test]

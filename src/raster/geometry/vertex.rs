@@ -93,11 +93,11 @@ impl<'a> VertexList<'a> {
         if !self.triangles.is_empty() {
             self.triangles.push(triangle);
         }
-        self.made.push(self.get(from).lerp(&self.get(to), share));
         let (a, b) = ((1.0 - share) as f32, share as f32);
         let ends = self.weights(from).iter().zip(self.weights(to));
         let mixed: Vec<f32> = ends.map(|(from, to)| from * a + to * b).collect();
         self.made_weights.extend(mixed);
+        self.made.push(self.get(from).lerp(&self.get(to), share));
         self.len() as u32 - 1
     }
 
