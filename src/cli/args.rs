@@ -471,6 +471,10 @@ pub(super) struct CompareArgs {
     /// Methods to compare, separated by commas; default: all of hsu, mls, arap, paper, default.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(super) methods: Vec<String>,
+    /// Bases to run every method on, separated by commas: bernstein, bspline, bilinear, barytri; default: bernstein, as the methods
+    /// were published, and that of the problem.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_basis)]
+    pub(super) basis: Vec<Basis>,
     /// Pose of a problem with several poses; default: the first.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["frame", "layer"])]
     pub(super) pose: Option<String>,

@@ -7,6 +7,7 @@ use super::outcome::{Outcome, OutputCutOff};
 use super::outputs;
 use crate::compare::{self, ColorRun, Entry, SheetModel};
 use crate::image::{FileKind, write_png};
+use crate::lattice::Basis;
 use crate::pipeline::{Keeping, PreparedShot, input_files, layer_problem};
 use crate::shot::{Layer, LayerSpace, Shot};
 use crate::solve::Problem;
@@ -93,16 +94,34 @@ fn entries<const D: usize>(args: &CompareArgs, problem: &Problem<D>) -> anyhow::
     }
     let is_chosen =
         |method: &dyn Deformer<D>| args.methods.is_empty() || args.methods.iter().any(|key| key == method.key());
-    let run =
-        |method: &dyn Deformer<D>| compare::run(method, problem).with_context(|| format!("method '{}'", method.key()));
-    known.iter().map(AsRef::as_ref).filter(|method| is_chosen(*method)).map(run).collect()
+    let chosen: Vec<&dyn Deformer<D>> = known.iter().map(AsRef::as_ref).filter(|method| is_chosen(*method)).collect();
+    let mut entries = Vec::new();
+    for basis in bases(&args.basis, problem.grid.basis) {
+        for method in &chosen {
+            let entry = compare::run_on(*method, problem, basis);
+            entries.push(entry.with_context(|| format!("method '{}', {}", method.key(), basis.label()))?);
+        }
+    }
+    Ok(entries)
+}
+
+/// Returns the bases to compare: the chosen ones, or that of the published methods and that of the problem.
+fn bases(chosen: &[Basis], own: Basis) -> Vec<Basis> {
+    let all = if chosen.is_empty() { &[Basis::Bernstein, own] } else { chosen };
+    let mut bases: Vec<Basis> = Vec::new();
+    for &basis in all {
+        if !bases.contains(&basis) {
+            bases.push(basis);
+        }
+    }
+    bases
 }
 
 fn print<const D: usize>(args: &CompareArgs, entries: &[Entry<D>]) -> anyhow::Result<Outcome> {
     let mut out = std::io::stdout();
     if args.json {
         for entry in entries {
-            let line = serde_json::json!({"method": entry.method, "figures": entry.metrics});
+            let line = serde_json::json!({"method": entry.method, "basis": entry.basis, "figures": entry.metrics});
             out.write_all((line.to_string() + "\n").as_bytes()).map_err(OutputCutOff)?;
         }
     } else {

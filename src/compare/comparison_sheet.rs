@@ -1,10 +1,11 @@
 //! The comparison as a picture: one panel per method with the model, its lattice, pins, folded cells and metrics.
 //!
-//! In: entries in 2D. Out: a [`Preview`]. The first panel shows the model at rest and the targets of its pins.
+//! In: entries in 2D, those of one basis after each other. Out: a [`Preview`]. Entries of several bases have a row for each. The first
+//! panel, of each row if there are several bases, shows the model at rest and the targets of its pins.
 
 use super::{Entry, Metrics};
 use crate::image::{Canvas, Preview, Rgba8};
-use crate::lattice::Lattice;
+use crate::lattice::{Grid, Lattice};
 use crate::solve::Problem;
 use crate::space::ImagePoint;
 use crate::spelling::pluralised;
@@ -53,31 +54,48 @@ pub struct SheetModel<'a> {
 /// Draws the sheet.
 #[must_use]
 pub fn comparison_sheet(figure: &SheetModel, entries: &[Entry<2>]) -> Preview {
-    let columns = COLUMNS.min(entries.len() + 1);
-    let rows = (entries.len() + 1).div_ceil(columns);
+    let groups: Vec<&[Entry<2>]> = entries.chunk_by(|one, next| one.basis == next.basis).collect();
+    let longest = groups.iter().map(|group| group.len() + 1).max().unwrap_or(1);
+    let columns = if groups.len() > 1 { longest } else { COLUMNS.min(longest) };
+    let rows: usize = groups.iter().map(|group| (group.len() + 1).div_ceil(columns)).sum::<usize>().max(1);
     let [across, down] =
         [(columns, WIDTH), (rows, HEIGHT + WORDS)].map(|(count, size)| count as u32 * (size + GAP) - GAP);
     let mut picture = Preview::transparent(across, down);
     fill(&mut picture, FOOT);
     let view = PanelTransform::of(figure, entries);
-    let rest = figure.problem.grid.at_rest();
-    let first =
-        panel(figure, &view, PanelContent { lattice: &rest, points: &figure.problem.shape.points, is_rest: true });
-    let others = entries.iter().map(|entry| {
-        panel(figure, &view, PanelContent { lattice: &entry.lattice, points: &entry.points, is_rest: false })
-    });
-    for (k, drawn) in std::iter::once(first).chain(others).enumerate() {
-        let corner = [k % columns, k / columns].map(|place| place as u32);
-        let (x, y) = (corner[0] * (WIDTH + GAP), corner[1] * (HEIGHT + WORDS + GAP));
-        paste(&mut picture, &drawn, [x, y]);
-        let mut canvas = Canvas::new(&mut picture);
-        let at = DVec2::new(f64::from(x) + 16.0, f64::from(y + HEIGHT) + 12.0);
-        match k.checked_sub(1).map(|k| &entries[k]) {
-            None => rest_words(&mut canvas, at, figure),
-            Some(entry) => words(&mut canvas, at, entry, entries),
-        }
+    let mut row = 0;
+    for group in groups {
+        draw_group(&mut picture, (figure, &view), (group, entries), (row, columns));
+        row += (group.len() + 1).div_ceil(columns);
     }
     picture
+}
+
+/// Draws the model at rest and the entries of one basis, from a row of the sheet on.
+fn draw_group(
+    picture: &mut Preview,
+    (figure, view): (&SheetModel, &PanelTransform),
+    (group, all): (&[Entry<2>], &[Entry<2>]),
+    (row, columns): (usize, usize),
+) {
+    let basis = group.first().map_or(figure.problem.grid.basis, |entry| entry.basis);
+    let rest = Grid { basis, ..figure.problem.grid.clone() }.at_rest();
+    let first =
+        panel(figure, view, PanelContent { lattice: &rest, points: &figure.problem.shape.points, is_rest: true });
+    let others = group.iter().map(|entry| {
+        panel(figure, view, PanelContent { lattice: &entry.lattice, points: &entry.points, is_rest: false })
+    });
+    for (k, drawn) in std::iter::once(first).chain(others).enumerate() {
+        let corner = [k % columns, row + k / columns].map(|place| place as u32);
+        let (x, y) = (corner[0] * (WIDTH + GAP), corner[1] * (HEIGHT + WORDS + GAP));
+        paste(picture, &drawn, [x, y]);
+        let mut canvas = Canvas::new(picture);
+        let at = DVec2::new(f64::from(x) + 16.0, f64::from(y + HEIGHT) + 12.0);
+        match k.checked_sub(1).map(|k| &group[k]) {
+            None => rest_words(&mut canvas, at, (figure, &rest.grid)),
+            Some(entry) => words(&mut canvas, at, entry, all),
+        }
+    }
 }
 
 /// The content of a panel.
@@ -206,12 +224,12 @@ fn draw_pins(canvas: &mut Canvas, view: &PanelTransform, figure: &SheetModel, sh
     }
 }
 
-fn rest_words(canvas: &mut Canvas, at: DVec2, figure: &SheetModel) {
-    let Problem { shape, grid, pins, .. } = figure.problem;
+fn rest_words(canvas: &mut Canvas, at: DVec2, (figure, grid): (&SheetModel, &Grid<2>)) {
+    let Problem { shape, pins, .. } = figure.problem;
     canvas.text(ImagePoint(at), figure.title, 2, NAME);
     let vertices = pluralised(shape.points.len(), "vertex", "vertices");
     let pins = pluralised(pins.len(), "pin", "pins");
-    let counts = format!("{vertices}, {} x {} handles, {pins}", grid.dims[0], grid.dims[1]);
+    let counts = format!("{vertices}, {} x {} {} handles, {pins}", grid.dims[0], grid.dims[1], grid.basis.label());
     canvas.text(ImagePoint(at + DVec2::new(0.0, 30.0)), &counts, 2, TEXT);
     canvas.text(ImagePoint(at + DVec2::new(0.0, 56.0)), "at rest; rings: where the pins have to go", 2, TEXT);
 }

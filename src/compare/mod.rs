@@ -1,4 +1,5 @@
-//! Compares all methods on one problem: the same pins and grid, one table and one picture.
+//! Compares all methods on one problem: the same pins, box and dims, one table and one picture. Each method runs on the basis with
+//! which it was published and on that of the problem, so that the effects of basis and energy can be told apart.
 //!
 //! In: a problem and methods. Out: [`Entry`]s, a table, a [`comparison_sheet`].
 
@@ -8,7 +9,7 @@ mod table;
 pub use comparison_sheet::{ColorRun, SheetModel, comparison_sheet};
 pub use table::table;
 
-use crate::lattice::{Grid, Lattice};
+use crate::lattice::{Basis, Grid, Lattice};
 use crate::solve::methods::{Deformed, Deformer};
 use crate::solve::problem_file::Measures;
 use crate::solve::{PointPin, Problem, SolveError};
@@ -23,6 +24,8 @@ const RUNS: usize = 3;
 pub struct Entry<const D: usize> {
     /// The method's name.
     pub method: &'static str,
+    /// The basis that it ran on.
+    pub basis: Basis,
     /// Its metrics.
     pub metrics: Metrics,
     /// Its lattice.
@@ -52,12 +55,24 @@ pub struct Metrics {
     pub ms: f64,
 }
 
-/// Runs a method on a problem.
+/// Runs a method on a problem, on the basis with which the method was published.
 ///
 /// # Errors
 /// [`SolveError`] if the method cannot solve it.
 pub fn run<const D: usize>(method: &dyn Deformer<D>, problem: &Problem<D>) -> Result<Entry<D>, SolveError> {
-    let grid = Grid { basis: method.basis().unwrap_or(problem.grid.basis), ..problem.grid.clone() };
+    run_on(method, problem, method.basis().unwrap_or(problem.grid.basis))
+}
+
+/// Runs a method on a problem, on this basis in place of the problem's.
+///
+/// # Errors
+/// [`SolveError`] if the method cannot solve it, or the basis does not fit the dims.
+pub fn run_on<const D: usize>(
+    method: &dyn Deformer<D>,
+    problem: &Problem<D>,
+    basis: Basis,
+) -> Result<Entry<D>, SolveError> {
+    let grid = Grid { basis, ..problem.grid.clone() };
     let problem = Problem { grid: &grid, ..*problem };
     let mut ms = f64::INFINITY;
     let mut deformed = timed(method, &problem, &mut ms)?;
@@ -77,7 +92,7 @@ pub fn run<const D: usize>(method: &dyn Deformer<D>, problem: &Problem<D>) -> Re
         iterations,
         ms,
     };
-    Ok(Entry { method: method.name(), metrics, lattice, points })
+    Ok(Entry { method: method.name(), basis, metrics, lattice, points })
 }
 
 fn timed<const D: usize>(

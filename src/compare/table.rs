@@ -6,7 +6,8 @@ use super::Entry;
 use std::fmt::Write as _;
 
 /// Column headings, as wide as the columns.
-const HEAD: &str = "method                   angle    area  pin error  flips  folded  stray  iterations        ms";
+const HEAD: &str =
+    "method                  basis        angle    area  pin error  flips  folded  stray  iterations        ms";
 
 /// Formats a table of all entries; the smallest distortion of each kind is marked with a star.
 ///
@@ -18,11 +19,12 @@ pub fn table<const D: usize>(entries: &[Entry<D>]) -> String {
     let (angle, area) = (least(|entry| entry.metrics.angle), least(|entry| entry.metrics.area));
     let star = |is_least: bool| if is_least { '*' } else { ' ' };
     let mut text = format!("{HEAD}\n");
-    for Entry { method, metrics, .. } in entries {
+    for Entry { method, basis, metrics, .. } in entries {
         let (a, b) = (star(metrics.angle <= angle), star(metrics.area <= area));
         let _ = writeln!(
             text,
-            "{method:22} {:.4}{a} {:.4}{b}  {:9.1e}  {:5}  {:6}  {:5.2}  {:10}  {:8.3}",
+            "{method:22}  {:9} {:.4}{a} {:.4}{b}  {:9.1e}  {:5}  {:6}  {:5.2}  {:10}  {:8.3}",
+            basis.label(),
             metrics.angle,
             metrics.area,
             metrics.pin_error,

@@ -23,6 +23,8 @@ fn all_methods_stand_in_the_table_and_on_the_sheet() {
     for name in ["method", "Hsu 1992", "Rigid MLS", "ARAP + inverse FFD", "lp-FFD, as published", "pinwarp"] {
         assert!(table.contains(name), "{name} is missing:\n{table}");
     }
+    let bases = |name: &str| table.lines().filter(|line| line.contains(name)).count();
+    assert_eq!([bases(" Bernstein "), bases(" B-spline ")], [5, 5], "{table}");
     let sheet = image::open(bench.path("sheet.png")).expect("a picture").into_rgb8();
     let has = |wanted: [u8; 3]| sheet.pixels().filter(|pixel| pixel.0 == wanted).count();
     assert!(has([255, 214, 10]) > 500, "pins are yellow");
@@ -32,10 +34,12 @@ fn all_methods_stand_in_the_table_and_on_the_sheet() {
 #[test]
 fn chosen_methods_and_poses_as_json() {
     let bench = square();
-    let lines = bench.run("compare square.json --methods default,hsu --pose lift --json").says(0, &[]).stdout;
+    let lines =
+        bench.run("compare square.json --methods default,hsu --basis bspline --pose lift --json").says(0, &[]).stdout;
     let lines: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     assert_eq!(lines.len(), 2);
     let figure = |line: usize, key: &str| lines[line]["figures"][key].as_f64().expect("a number");
+    assert!(lines.iter().all(|line| line["basis"] == "bspline"), "{lines:?}");
     // A single pin is a translation for us, and a pinch for Hsu.
     assert!(figure(1, "angle") < 1e-6 && figure(0, "angle") > 1e-2, "{lines:?}");
 }
@@ -54,5 +58,6 @@ fn missing_inputs_are_named() {
     let bench = square();
     bench.run("compare gone.json").says(2, &["gone.json", "cannot read"]);
     bench.run("compare square.json --methods hsu,magic").says(2, &["there is no method 'magic'", "mls"]);
+    bench.run("compare square.json --basis spline").says(2, &["spline", "bspline"]);
     bench.run("compare square.json --pose sleep").says(2, &["there is no pose 'sleep'", "push, lift"]);
 }
