@@ -2,7 +2,7 @@
 //!
 //! In: a path. Out: rotation angles of pairs, unwrapped along the path, and the path in small steps.
 
-use super::linalg::small_matrix::minus;
+use super::linalg::small_matrix::{distance, minus};
 use super::targets::Targets;
 use crate::lattice::Grid;
 use std::f64::consts::{PI, TAU};
@@ -25,6 +25,53 @@ pub(crate) fn rotations<const D: usize>(grid: &Grid<D>, path: &[Targets<D>]) -> 
         rows.push(row);
     }
     rows
+}
+
+/// Distance of two targets, relative to that of their rest positions, below which their angle says nothing about winding: pins that
+/// pass through each other turn by half a turn to either side.
+const CLOSE: f64 = 0.25;
+
+/// Rotation angles of pairs of points and of prescribed gradients, unwrapped from time to time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Winding {
+    angles: Vec<f64>,
+    /// Smallest distance of each pair so far, relative to that at rest; 1 for gradients.
+    nearest: Vec<f64>,
+}
+
+impl Winding {
+    /// Continues to the next targets. With other pins or handles than before it starts anew.
+    pub(crate) fn advance<const D: usize>(&mut self, grid: &Grid<D>, targets: &Targets<D>) {
+        if D != 2 {
+            return;
+        }
+        let angles = angles(grid, targets);
+        let ratios = distance_ratios(grid, targets);
+        if angles.len() != self.angles.len() {
+            *self = Self { nearest: vec![1.0; angles.len()], angles };
+        } else {
+            self.angles.iter_mut().zip(&angles).for_each(|(last, angle)| *last += wrapped(angle - *last));
+        }
+        self.nearest.iter_mut().zip(ratios).for_each(|(nearest, ratio)| *nearest = nearest.min(ratio));
+    }
+
+    /// Whether parts have been wound around each other by more than half a turn.
+    pub(crate) fn is_wound(&self) -> bool {
+        self.angles.iter().zip(&self.nearest).any(|(angle, &nearest)| angle.abs() > PI && nearest > CLOSE)
+    }
+}
+
+/// Distances of pairs of targets relative to those of their rest positions, in the order of [`angles`].
+fn distance_ratios<const D: usize>(grid: &Grid<D>, targets: &Targets<D>) -> Vec<f64> {
+    let ends = targets.ends(grid);
+    let mut ratios = Vec::new();
+    for (first, a) in ends.iter().enumerate() {
+        for b in ends.iter().skip(first + 1).take(PARTNERS) {
+            let rest = distance(&b[0], &a[0]);
+            ratios.push(if rest > 0.0 { distance(&b[1], &a[1]) / rest } else { 0.0 });
+        }
+    }
+    ratios
 }
 
 /// Angles of pairs and gradients at one point of the path, each within ±π.

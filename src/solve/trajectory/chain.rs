@@ -18,6 +18,7 @@ use super::knot::{Descent, Knot};
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
+use crate::solve::winding::Winding;
 use rayon::prelude::*;
 
 /// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
@@ -72,6 +73,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     limits: Vec<f64>,
     /// Whether the weight of each interval was raised for the speed limit, and not just beside such intervals.
     is_spread: Vec<bool>,
+    /// Winding of the pins up to the last knot.
+    winding: Winding,
     coupling: Coupling,
     /// Mean diagonal of the boxes.
     diagonal: f64,
@@ -95,6 +98,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             weight,
             limits: Vec::new(),
             is_spread: Vec::new(),
+            winding: Winding::default(),
             coupling: *coupling,
             diagonal,
             cancel,
@@ -104,7 +108,13 @@ impl<'a, const D: usize> Chain<'a, D> {
     }
 
     /// Appends knots, and the intervals that lead to them.
-    pub(crate) fn extend(&mut self, knots: Vec<Option<Knot<D>>>) {
+    pub(crate) fn extend(&mut self, mut knots: Vec<Option<Knot<D>>>) {
+        for knot in &mut knots {
+            match knot {
+                Some(knot) => knot.follow_winding(&mut self.winding),
+                None => self.winding = Winding::default(),
+            }
+        }
         let first = self.weights.len();
         self.knots.extend(knots);
         let per_frame = f64::from(self.coupling.knots_per_frame);
@@ -166,7 +176,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             passed();
             let weight = weights_beside(&self.weights, index).iter().sum();
             let (before, rest) = self.knots.split_at_mut(index);
-            let Some(knot) = &mut rest[0] else { continue };
+            let Some(knot) = rest[0].as_mut().filter(|knot| !knot.holds_rest) else { continue };
             match before.last() {
                 Some(Some(before)) => {
                     knot.start_from(&before.displacement);
@@ -294,13 +304,15 @@ impl<'a, const D: usize> Chain<'a, D> {
     fn window(&self, index: usize, length: f64) -> [usize; 2] {
         let (mut first, mut last, mut sum) = (index, index, self.limits[index]);
         let is_coupled = |index: usize| self.weights.get(index).is_some_and(|&weight| weight > 0.0);
+        // Nothing is carried across a knot that holds rest.
+        let gives_way = |knot: usize| self.knots[knot].as_ref().is_some_and(|knot| !knot.holds_rest);
         while sum < length {
             let before = sum;
-            if first > 0 && is_coupled(first - 1) {
+            if first > 0 && is_coupled(first - 1) && gives_way(first) {
                 first -= 1;
                 sum += self.limits[first];
             }
-            if is_coupled(last + 1) {
+            if is_coupled(last + 1) && gives_way(last + 1) {
                 last += 1;
                 sum += self.limits[last];
             }
@@ -361,7 +373,7 @@ fn relax<const D: usize>(
     weights: [f64; 2],
 ) -> Result<f64, SolveError> {
     let weight = weights[0] + weights[1];
-    if weight == 0.0 {
+    if weight == 0.0 || knot.holds_rest {
         return Ok(0.0);
     }
     let drawn_to = match states {

@@ -16,6 +16,7 @@ use crate::solve::problem::Problem;
 use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
+use crate::solve::winding::Winding;
 
 /// Distance from rest, in box diagonals, below which the points of a state with resting pins are set to rest exactly.
 const REST_TOLERANCE: f64 = 0.01;
@@ -31,6 +32,8 @@ pub(crate) struct Knot<const D: usize> {
     factor: CachedFactor,
     /// Whether all pins and handles are at rest.
     is_resting: bool,
+    /// Whether the state is rest whatever its neighbours do.
+    pub(crate) holds_rest: bool,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
     /// The state.
@@ -81,7 +84,7 @@ impl<const D: usize> Knot<D> {
             points: vec![[0.0; D]; rigid.points.len()],
         };
         let factor = CachedFactor::default();
-        Ok(Self { system, path, points, rigid, factor, is_resting, drawing, displacement })
+        Ok(Self { system, path, points, rigid, factor, is_resting, holds_rest: false, drawing, displacement })
     }
 
     pub(crate) fn grid(&self) -> &Grid<D> {
@@ -91,6 +94,13 @@ impl<const D: usize> Knot<D> {
     /// The targets at this time.
     pub(crate) fn goal(&self) -> Option<&Targets<D>> {
         self.path.last()
+    }
+
+    /// Continues the winding of the pins from the time before. If all pins and handles are at rest and nothing is wound, the state is
+    /// rest from now on.
+    pub(crate) fn follow_winding(&mut self, winding: &mut Winding) {
+        self.path.iter().for_each(|targets| winding.advance(self.system.grid(), targets));
+        self.holds_rest = self.is_resting && !winding.is_wound();
     }
 
     /// Sets the state to that of another time. Copies of handles that did not exist then are interpolated from the others and the
