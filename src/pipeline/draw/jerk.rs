@@ -5,8 +5,12 @@
 //! picture.
 
 use crate::lattice::ScreenLattice;
-use crate::pipeline::{FrameReport, Jerk, PreparedShot, TimeSample};
+use crate::pipeline::evaluate::part_triangle_ranges::triangles_of;
+use crate::pipeline::{FrameReport, Jerk, LayerState, PinAnchor, PreparedShot, TimeSample};
+use crate::raster::geometry::vertex_triangles;
+use crate::screen::primitive;
 use crate::shot::Rotation;
+use crate::solve::Solution;
 use crate::space::{ScreenPoint, ScreenVector};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -175,23 +179,29 @@ fn frame_points(prepared: &PreparedShot, sample: &TimeSample) -> Vec<Option<Fram
 
 impl FramePoints {
     fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
-        let solution = sample.layers[layer].solution.as_ref().filter(|solution| solution.branches.is_none())?;
-        let lattice = &solution.lattice;
-        let mut frame_points = Self::default();
-        surface_points(prepared, sample, layer).for_each(|point| frame_points.add(point, lattice));
         let state = &sample.layers[layer];
-        for pin in 0..prepared.shot.layers[layer].pins.len() {
+        let solution = state.solution.as_ref()?;
+        let mut frame_points = Self::default();
+        for (point, place) in surface_points(prepared, sample, layer) {
+            frame_points.add(point, |point| image(state, solution, point, place));
+        }
+        for (pin, anchor) in prepared.anchors_of(layer).iter().enumerate() {
             let pin = state.pins.iter().find(|state| state.pin == pin);
-            frame_points.add(pin.map(|pin| pin.rest), lattice);
+            let place = match *anchor {
+                PinAnchor::Surface { part, triangle, .. } => Some([part, triangle]),
+                PinAnchor::Screen(_) => None,
+            };
+            frame_points.add(pin.map(|pin| pin.rest), |point| image(state, solution, point, place));
             frame_points.wanted.push(pin.map(|pin| pin.target - pin.rest));
         }
-        frame_points.add_keys(prepared, sample, (layer, lattice));
+        frame_points.add_keys(prepared, sample, (layer, &solution.lattice));
         Some(frame_points)
     }
 
-    fn add(&mut self, point: Option<ScreenPoint>, lattice: &ScreenLattice) {
-        self.points.push(point.map(|point| ScreenVector(point.0)));
-        self.displacements.push(point.map(|point| lattice.warp(point) - point));
+    fn add(&mut self, point: Option<ScreenPoint>, image: impl Fn(ScreenPoint) -> Option<ScreenPoint>) {
+        let point = point.and_then(|point| Some((point, image(point)?)));
+        self.points.push(point.map(|(point, _)| ScreenVector(point.0)));
+        self.displacements.push(point.map(|(point, image)| image - point));
     }
 
     /// Adds the rotations and stretches of pins, and the offsets of handles, converted to lengths.
@@ -209,22 +219,46 @@ impl FramePoints {
     }
 }
 
-/// Returns the same surface points of a layer in every frame, spread over its vertices; `None` if out of sight.
+/// Returns the image of a point of the screen, which on a branching lattice depends on the triangle that it lies on, given by part
+/// and triangle; `None` if the triangle is out of sight.
+fn image(
+    state: &LayerState,
+    solution: &Solution<2>,
+    point: ScreenPoint,
+    place: Option<[usize; 2]>,
+) -> Option<ScreenPoint> {
+    let Some(branches) = &solution.branches else { return Some(solution.lattice.warp(point)) };
+    let [part, triangle] = place?;
+    let [x, y] = branches.warp(triangles_of(&state.starts, part, triangle)?, point.0.to_array());
+    Some(ScreenPoint::new(x, y))
+}
+
+/// Returns the same surface points of a layer in every frame, spread over its vertices, `None` if out of sight; each with its part
+/// and a triangle of that part, if the lattice branches.
 fn surface_points<'a>(
     prepared: &'a PreparedShot,
     sample: &'a TimeSample,
     layer: usize,
-) -> impl Iterator<Item = Option<ScreenPoint>> + 'a {
-    let points = move || {
-        prepared.assignment.parts_of_layer[layer].iter().flat_map(move |&part| {
-            let share = prepared.assignment.share(layer, part);
-            let vertices = (0..).zip(&sample.pose.parts[part].positions);
-            vertices.filter(move |(vertex, _)| share.at(*vertex) > 0.0).map(|(_, point)| *point)
-        })
-    };
-    let step = points().count().div_ceil(SURFACE_POINTS).max(1);
-    let projected = points().step_by(step).map(|point| sample.camera.project(point));
-    projected.map(|vertex| (vertex.w > 0.0).then(|| vertex.point()))
+) -> impl Iterator<Item = (Option<ScreenPoint>, Option<[usize; 2]>)> + 'a {
+    let parts = prepared.assignment.parts_of_layer[layer].iter().copied();
+    let vertices = parts.flat_map(move |part| {
+        let share = prepared.assignment.share(layer, part);
+        let vertices = 0..sample.pose.parts[part].positions.len() as u32;
+        vertices.filter(move |vertex| share.at(*vertex) > 0.0).map(move |vertex| (part, vertex as usize))
+    });
+    let step = vertices.clone().count().div_ceil(SURFACE_POINTS).max(1);
+    let has_branches = sample.layers[layer].solution.as_ref().is_some_and(|solution| solution.branches.is_some());
+    // The triangles of the part that was looked at last.
+    let mut known: Option<(usize, Vec<u32>)> = None;
+    vertices.step_by(step).map(move |(part, vertex)| {
+        let posed = &sample.pose.parts[part];
+        if has_branches && known.as_ref().is_none_or(|(known, _)| *known != part) {
+            known = Some((part, vertex_triangles(primitive(&prepared.scene, posed))));
+        }
+        let triangle = known.as_ref().map(|(_, triangles)| [part, triangles[vertex] as usize]);
+        let projected = sample.camera.project(posed.positions[vertex]);
+        ((projected.w > 0.0).then(|| projected.point()), triangle)
+    })
 }
 
 #[cfg(test)]

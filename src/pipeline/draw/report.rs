@@ -33,7 +33,8 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
         report.warnings.extend(fold_warning(layer, &solve));
-        report.warnings.extend(shared_cells::warning(layer, state, &solve, height_px));
+        let anchors = prepared.anchors_of(index);
+        report.warnings.extend(shared_cells::warning((layer, anchors), state, &solve, height_px));
         match note_at(prepared, index, frame) {
             Some(TimedNote::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
             Some(TimedNote::Alone(why)) => {

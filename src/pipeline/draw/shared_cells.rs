@@ -3,7 +3,8 @@
 //! In: a layer and its solved state. Out: a warning for the worst pair.
 
 use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
-use crate::pipeline::{LayerState, PinState};
+use crate::pipeline::evaluate::part_triangle_ranges::triangles_of;
+use crate::pipeline::{LayerState, PinAnchor, PinState};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::SolveReport;
 
@@ -32,14 +33,16 @@ struct Pair<'a> {
 /// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; pairs reported
 /// as contradictions are left out.
 pub(in crate::pipeline) fn warning(
-    layer: &Layer,
+    (layer, anchors): (&Layer, &[PinAnchor]),
     state: &LayerState,
     solve: &SolveReport,
     height_px: f64,
 ) -> Option<String> {
     let LayerSpace::Screen { dims, .. } = layer.space else { return None };
     let grid = &state.solution.as_ref()?.lattice.grid;
-    let worst = pairs(state, solve, (grid, height_px)).max_by(|a, b| a.stretch.total_cmp(&b.stretch))?;
+    let is_apart = |pair: &Pair| on_different_branches(state, anchors, pair);
+    let told = pairs(state, solve, (grid, height_px)).filter(|pair| !is_apart(pair));
+    let worst = told.max_by(|a, b| a.stretch.total_cmp(&b.stretch))?;
     let [one, other] = worst.pins.map(|pin| &layer.pins[pin.pin].name);
     let apart_px = difference(worst.pins).length() * height_px;
     let finer = dims.map(|count| ((count as f64 * 2.0 * APART_CELLS / worst.cells).ceil() as usize).max(count + 1));
@@ -54,6 +57,17 @@ pub(in crate::pipeline) fn warning(
          apart: the area around them is distorted; {remedy}",
         layer.name, worst.cells
     ))
+}
+
+/// Whether two pins lie on different branches of the lattice, which do not take each other along.
+fn on_different_branches(state: &LayerState, anchors: &[PinAnchor], pair: &Pair) -> bool {
+    let branches = state.solution.as_ref().and_then(|solution| solution.branches.as_ref());
+    let branch = |pin: &PinState| {
+        let PinAnchor::Surface { part, triangle, .. } = *anchors.get(pin.pin)? else { return None };
+        Some(branches?.branch_within(triangles_of(&state.starts, part, triangle)?, pin.rest.0.to_array()))
+    };
+    let [one, other] = pair.pins.map(branch);
+    one.zip(other).is_some_and(|(one, other)| one != other)
 }
 
 fn pairs<'a>(

@@ -1,6 +1,7 @@
 //! Maps the triangles of a layer's parts to the triangles of its shape. Plain data.
 
 use crate::pipeline::PinAnchor;
+use std::ops::Range;
 
 /// The index ranges of a part's triangles in the shape of its layer.
 #[derive(Clone, Debug)]
@@ -15,7 +16,16 @@ pub(in crate::pipeline) struct PartTriangleRanges {
 /// Returns the triangle of the shape to which a pin is attached.
 pub(in crate::pipeline) fn held_triangle(anchor: &PinAnchor, parts: &[PartTriangleRanges]) -> Option<u32> {
     let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
+    Some(triangles_of(parts, part, triangle)?.start as u32)
+}
+
+/// Returns the triangles of the shape that come from a triangle of a part; `None` if there are none.
+pub(in crate::pipeline) fn triangles_of(
+    parts: &[PartTriangleRanges],
+    part: usize,
+    triangle: usize,
+) -> Option<Range<usize>> {
     let starts = &parts.iter().find(|own| own.part == part)?.starts;
-    let [start, end] = [*starts.get(triangle)?, *starts.get(triangle + 1)?];
-    (start < end).then_some(start)
+    let [start, end] = [*starts.get(triangle)? as usize, *starts.get(triangle + 1)? as usize];
+    (start < end).then_some(start..end)
 }
