@@ -41,6 +41,11 @@ pub(in crate::pipeline) fn rest_links(
         let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh };
         layer.cut(&mut links)?;
         layer.join(&mut links)?;
+        // Solves sort them at every time, which takes less where they are sorted already.
+        links.sort_by_key(|link| {
+            let [a, b] = link.ends.map(|end| end.triangle);
+            [a.min(b), a.max(b)]
+        });
         all.push(Some(Arc::new(links)));
     }
     Ok(all)

@@ -39,8 +39,12 @@ impl<const D: usize> Adjacency<D> {
         };
         let mut links: Vec<PlacedLink<D>> = links.iter().map(placed).collect();
         links.sort_by_key(|link| link.triangles);
-        let ends = (0..shape.triangles.len()).map(|number| links.partition_point(|link| link.triangles[0] <= number));
-        Self { ends: ends.collect(), links }
+        let mut ends = vec![0; shape.triangles.len()];
+        links.iter().for_each(|link| ends[link.triangles[0]] += 1);
+        for number in 1..ends.len() {
+            ends[number] += ends[number - 1];
+        }
+        Self { ends, links }
     }
 
     /// The links between a triangle and those with a larger index.

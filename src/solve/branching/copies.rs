@@ -3,7 +3,7 @@
 //! In: the cuts and links of a shape. Out: for every cut the copies that act on it, and ties, which tell how close copies of one
 //! handle are to each other.
 
-use super::adjacency::Adjacency;
+use super::adjacency::{Adjacency, PlacedLink};
 use super::cuts::Cut;
 use super::disjoint_sets::DisjointSets;
 use super::support_box::{SupportBox, cells_between};
@@ -97,8 +97,10 @@ impl<const D: usize> Finder<'_, D> {
             return;
         }
         let mut pieces = DisjointSets::of(triangles.len());
-        for (_, pair) in self.links_among(&triangles, support).into_iter().filter(|(growth, _)| *growth < 0.0) {
-            pieces.join(pair);
+        for (link, pair) in self.links_among(&triangles) {
+            if support.connects(link) {
+                pieces.join(pair);
+            }
         }
         let first = copies.handles.len();
         let mut copy_of_root = vec![usize::MAX; triangles.len()];
@@ -139,8 +141,15 @@ impl<const D: usize> Finder<'_, D> {
         }
         let mut copies_at = vec![Vec::new(); triangles.len()];
         first_of_copy.into_iter().for_each(|(copy, place)| copies_at[pieces.root(place)].push(copy));
-        let mut links = self.links_among(&triangles, support);
-        links.retain(|(growth, _)| *growth < 1.0);
+        // Most links lie within one copy, and need no growth.
+        let mut links: Vec<(f64, [usize; 2])> = Vec::new();
+        for (link, pair) in self.links_among(&triangles) {
+            if pieces.root(pair[0]) != pieces.root(pair[1])
+                && let Some(growth) = support.growth_below_one(link)
+            {
+                links.push((growth, pair));
+            }
+        }
         links.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut ties = Vec::new();
         for (growth, pair) in links {
@@ -178,14 +187,13 @@ impl<const D: usize> Finder<'_, D> {
         triangles.iter().for_each(|&triangle| self.place_of[triangle] = usize::MAX);
     }
 
-    /// The links between the given triangles as pairs of positions, each with the growth at which the support reaches it.
-    fn links_among(&self, triangles: &[usize], support: &SupportBox<D>) -> Vec<(f64, [usize; 2])> {
+    /// The links between the given triangles, with the positions of both.
+    fn links_among(&self, triangles: &[usize]) -> impl Iterator<Item = (&PlacedLink<D>, [usize; 2])> {
         let links = triangles.iter().flat_map(|&triangle| self.adjacency.from(triangle));
-        let among = links.filter_map(|link| {
+        links.filter_map(|link| {
             let pair = link.triangles.map(|triangle| self.place_of.get(triangle).copied().unwrap_or(usize::MAX));
-            (pair[1] != usize::MAX).then(|| (support.growth_to(link), pair))
-        });
-        among.collect()
+            (pair[1] != usize::MAX).then_some((link, pair))
+        })
     }
 }
 

@@ -42,9 +42,37 @@ impl<const D: usize> SupportBox<D> {
         })
     }
 
-    /// Growth of the box on all sides, in spans, at which it connects the triangles of a link; negative if it already does. An
-    /// edge connects them if the box meets it; a link across a gap or a solid, if both ends are inside.
-    pub(super) fn growth_to(&self, link: &PlacedLink<D>) -> f64 {
+    /// Whether the box connects the triangles of a link: an edge connects them if the box meets it, a link across a gap or a solid if
+    /// both ends are inside.
+    pub(super) fn connects(&self, link: &PlacedLink<D>) -> bool {
+        let [from, to] = link.ends.map(|end| self.is_inside(&end));
+        match link.kind {
+            LinkKind::Edge => from || to || (!self.is_beyond(&link.ends, 0.0) && self.growth(&link.ends) < 0.0),
+            LinkKind::Across => from && to,
+        }
+    }
+
+    /// [`Self::growth_to`] if it is below 1.
+    pub(super) fn growth_below_one(&self, link: &PlacedLink<D>) -> Option<f64> {
+        let is_far = link.kind == LinkKind::Edge && self.is_beyond(&link.ends, 1.0);
+        let growth = if is_far { 1.0 } else { self.growth_to(link) };
+        (growth < 1.0).then_some(growth)
+    }
+
+    fn is_inside(&self, point: &[f64; D]) -> bool {
+        (0..D).all(|axis| self.borders[axis][0] < point[axis] && point[axis] < self.borders[axis][1])
+    }
+
+    /// Whether both ends of a segment are beyond the same border, by at least `spans`.
+    fn is_beyond(&self, ends: &[[f64; D]; 2], spans: f64) -> bool {
+        (0..D).any(|axis| {
+            let ([low, high], by) = (self.borders[axis], spans * self.spacing[axis]);
+            ends.iter().all(|end| end[axis] <= low - by) || ends.iter().all(|end| end[axis] >= high + by)
+        })
+    }
+
+    /// Growth of the box on all sides, in spans, at which it connects the triangles of a link; negative if it already does.
+    fn growth_to(&self, link: &PlacedLink<D>) -> f64 {
         match link.kind {
             LinkKind::Edge => self.growth(&link.ends),
             LinkKind::Across => {
