@@ -18,6 +18,7 @@ mod cuts;
 mod disjoint_sets;
 mod inner_width;
 mod link;
+mod nearest_point;
 mod pieces;
 mod ray;
 mod rest_links;
@@ -30,17 +31,18 @@ pub use branched_lattice::BranchedLattice;
 pub use continuation::continued;
 pub use inner_width::inner_widths;
 pub use link::{Link, LinkEnd, LinkKind};
+pub(crate) use nearest_point::nearest_barycentric;
 pub use rest_links::{nearest_link, surface_links};
 pub use solid_links::{link_length, solid_links};
 
 use super::error::SolveError;
-use super::linalg::small_matrix::{dot, minus};
 use super::problem::{HandlePin, PointPin, Problem, Shape};
 use super::settings::{Settings, Topology};
 use crate::lattice::{Grid, Support};
 use adjacency::Adjacency;
 use copies::{Tie, copies, handles_of_cell};
 use cuts::{Cut, cuts};
+use nearest_point::nearest_of_triangle;
 use pieces::Pieces;
 use std::ops::Range;
 
@@ -242,33 +244,4 @@ fn checked_width<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Result<usi
 fn refusal(what: &str, hint: &str) -> SolveError {
     let what = format!("a branching lattice with {what}");
     SolveError::Invalid { what, hint: format!("{hint}, or set topology = \"plain\"") }
-}
-
-/// The point of a triangle that is nearest to a point (C. Ericson, "Real-Time Collision Detection", 2005, section 5.1.5).
-fn nearest_of_triangle<const D: usize>(point: &[f64; D], [a, b, c]: &[[f64; D]; 3]) -> [f64; D] {
-    let blend = |v: f64, w: f64| std::array::from_fn(|d| a[d] + v * (b[d] - a[d]) + w * (c[d] - a[d]));
-    let (ab, ac) = (minus(b, a), minus(c, a));
-    let [(d1, d2), (d3, d4), (d5, d6)] = [a, b, c].map(|corner| {
-        let gap = minus(point, corner);
-        (dot(&ab, &gap), dot(&ac, &gap))
-    });
-    let share = |part: f64, whole: f64| if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 };
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if d1 <= 0.0 && d2 <= 0.0 {
-        *a
-    } else if d3 >= 0.0 && d4 <= d3 {
-        *b
-    } else if d6 >= 0.0 && d5 <= d6 {
-        *c
-    } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        blend(share(d1, d1 - d3), 0.0)
-    } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        blend(0.0, share(d2, d2 - d6))
-    } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        let w = share(d4 - d3, (d4 - d3) + (d5 - d6));
-        blend(1.0 - w, w)
-    } else {
-        let whole = va + vb + vc;
-        blend(share(vb, whole), share(vc, whole))
-    }
 }

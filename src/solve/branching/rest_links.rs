@@ -5,14 +5,26 @@
 
 use super::disjoint_sets::DisjointSets;
 use super::link::{Link, LinkEnd, LinkKind};
+use super::nearest_point::nearest_barycentric;
+use crate::solve::linalg::small_matrix::distance;
 use crate::solve::merge_duplicates::merge_duplicates;
 use crate::solve::problem::Shape;
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+use std::collections::BTreeMap;
 
 /// Number of rounds. Each links every island to its nearest one and at least halves the number of islands, so this suffices for
 /// 2^20.
 const ROUNDS: usize = 20;
+
+/// Gap between two islands, in diagonals of the shape, up to which they touch.
+const TOUCHING: f64 = 0.005;
+
+/// Two islands are in contact where their gap is at most this multiple of that at their bridge.
+const CONTACT_FACTOR: f64 = 1.25;
+
+/// Number of bridged islands above which contacts are not looked for.
+const MAX_TOUCHING_ISLANDS: usize = 10_000;
 
 /// Links between triangles with a common edge, and between islands. Vertices in the same position count as one, so that texture
 /// seams do not separate triangles. Where more than two triangles share an edge, all are linked. Islands are linked to the
@@ -39,7 +51,9 @@ pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]]
         links.extend(shared.windows(2).map(link));
     }
     let bridges = bridges(&welded, &links, radius);
+    let contacts = contacts(&welded, &links, &bridges);
     links.extend(bridges);
+    links.extend(contacts);
     links
 }
 
@@ -88,6 +102,68 @@ fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec
         }
     }
     bridges
+}
+
+/// Links bridged islands wherever they are about as near to each other as at their bridge, or touch: a lid is carried by the whole rim
+/// of its pot, a sword by the whole hand. With very many islands (grass) the bridges alone remain.
+fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) -> Vec<Link> {
+    let mut islands = DisjointSets::of(shape.triangles.len());
+    links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
+    let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| islands.root(triangle)).collect();
+    let near = TOUCHING * diagonal(&shape.points);
+    let mut partners: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+    for bridge in bridges {
+        let [from, to] = bridge.ends.each_ref().map(|end| end.point(&shape.points, &shape.triangles));
+        let reach = near.max(CONTACT_FACTOR * distance(&from, &to));
+        let [from, to] = bridge.ends.each_ref().map(|end| roots[end.triangle as usize]);
+        partners.entry(from).or_default().push((to, reach));
+        partners.entry(to).or_default().push((from, reach));
+    }
+    if partners.is_empty() || partners.len() > MAX_TOUCHING_ISLANDS {
+        return Vec::new();
+    }
+    let corners = |triangle: usize| shape.triangles[triangle].map(|corner| shape.points[corner as usize]);
+    let leaf = |triangle: usize| {
+        let [a, b, c] = corners(triangle);
+        let low = std::array::from_fn(|d| a[d].min(b[d]).min(c[d]));
+        let high = std::array::from_fn(|d| a[d].max(b[d]).max(c[d]));
+        GeomWithData::new(Rectangle::from_corners(low, high), triangle)
+    };
+    let tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>> =
+        RTree::bulk_load((0..shape.triangles.len()).map(leaf).collect());
+    let mut found = Vec::new();
+    let mut is_seen = vec![false; shape.points.len()];
+    for corner in 0..3 * shape.triangles.len() {
+        let (triangle, vertex) = (corner / 3, shape.triangles[corner / 3][corner % 3] as usize);
+        if std::mem::replace(&mut is_seen[vertex], true) {
+            continue;
+        }
+        let point = shape.points[vertex];
+        for &(partner, reach) in partners.get(&roots[triangle]).into_iter().flatten() {
+            let around = AABB::from_corners(point.map(|x| x - reach), point.map(|x| x + reach));
+            let others = tree.locate_in_envelope_intersecting(around).map(|leaf| leaf.data);
+            let others = others.filter(|&other| roots[other] == partner);
+            let ends = others.map(|other| {
+                let barycentric = nearest_barycentric(&point, &corners(other)).map(|share| share as f32);
+                let end = LinkEnd { triangle: other as u32, barycentric };
+                (distance(&end.point(&shape.points, &shape.triangles), &point), end)
+            });
+            let nearest = ends.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.triangle.cmp(&b.1.triangle)));
+            if let Some((_, end)) = nearest.filter(|(gap, _)| *gap <= reach) {
+                found.push(Link { ends: [LinkEnd::corner(triangle, corner % 3), end], kind: LinkKind::Across });
+            }
+        }
+    }
+    found
+}
+
+/// Length of the diagonal of the bounding box of some points.
+fn diagonal<const D: usize>(points: &[[f64; D]]) -> f64 {
+    let side = |d: usize| {
+        let values = || points.iter().map(|point| point[d]);
+        (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)).max(0.0)
+    };
+    (0..D).map(|d| side(d).powi(2)).sum::<f64>().sqrt()
 }
 
 /// The shortest connection from every island but the largest to another island, as squared length and two corners, shortest
