@@ -228,7 +228,15 @@ fn check_inverse(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
         PlateWarp::Shot(prepared) => {
             layers.iter().any(|&layer| prepared.shot.layers[layer].matte.is_some() || prepared.moves_own_nodes(layer))
         }
-        PlateWarp::Lattices { matte, .. } => matte.is_some(),
+        PlateWarp::Lattices { file, matte, .. } => {
+            let branching = layers.iter().find(|&&layer| !file.layers[layer].branches.is_empty());
+            if let (Some(&layer), WarpDirection::Inverse) = (branching, job.direction) {
+                let name = &file.layers[layer].name;
+                let what = format!("the lattice of layer '{name}' branches, which a warp that is undone cannot carry");
+                return Err(unusable(&what, "choose another layer (--layer), or undo the warp of a plain lattice"));
+            }
+            matte.is_some()
+        }
         PlateWarp::Maps(_) => {
             let hint = "make one with `pinwarp export --to stmap --inverse` and warp with that";
             let refused = job.direction == WarpDirection::Inverse;
