@@ -16,7 +16,6 @@ mod document;
 mod error;
 mod history;
 mod journal;
-mod mirror;
 mod open;
 mod picture;
 mod playhead;

@@ -125,6 +125,7 @@ actions! {
     SafeAreas "safe_areas" "View" "Safe areas" "A",
     Curves "curves" "View" "Curves of keys" "C",
     Mirror "mirror" "Edit" "Mirror edits" "X",
+    MirrorPins "mirror_pins" "Edit" "Mirror pins" "Shift+X",
     Wipe "wipe" "View" "Wipe before and after" "W",
     Hide "hide" "Hold" "Hide everything over the picture" "H",
     Before "before" "Hold" "Show the frame without the warp" "B",

@@ -68,6 +68,7 @@ fn driven_pin(index: usize, pin: &Pin, start: f64, goals: Goals) -> crate::shot:
     crate::shot::Pin {
         name: format!("live{}", index + 1),
         anchor: Anchor::Screen { at: pin.rest, frame: None },
+        mirror: None,
         unit: OffsetUnit::Frame,
         order: Vec::new(),
         region: pin.region.map(|region| crate::shot::PinRegion {

@@ -131,6 +131,7 @@ fn layer(bounds: BoxRule) -> Layer {
         step: 1,
         strength: 1.0,
         stiffness: Vec::new(),
+        symmetry: None,
         pins: Vec::new(),
         handles: Vec::new(),
         transfer: None,

@@ -73,6 +73,17 @@ impl Shot {
         self.layers.iter().position(|layer| layer.name == name)
     }
 
+    /// Gives mirrored pins the keys of the pins that they follow, after those have changed.
+    pub fn copy_mirrored_keys(&mut self) {
+        for layer in 0..self.layers.len() {
+            for pin in 0..self.layers[layer].pins.len() {
+                if let Some(mirror) = self.layers[layer].pins[pin].mirror {
+                    self.layers[layer].pins[pin].keys = self.layers[mirror.layer].pins[mirror.pin].keys.clone();
+                }
+            }
+        }
+    }
+
     /// Returns the files that the shot refers to, except sequences: scene or pictures, masks, and lattices to transfer.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let drawn = match &self.source {
@@ -171,6 +182,8 @@ pub struct Layer {
     pub strength: f64,
     /// Parts that are stiffer or softer than the rest.
     pub stiffness: Vec<StiffnessRule>,
+    /// The plane at which mirrored pins are reflected; `None`: the layer's own plane of symmetry at rest.
+    pub symmetry: Option<AxisPlane>,
     /// Pins.
     pub pins: Vec<Pin>,
     /// Manually moved handles.
@@ -267,13 +280,35 @@ pub enum BoxRule {
     Frame,
 }
 
+/// A plane perpendicular to an axis of the scene at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisPlane {
+    /// The axis: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// The plane's coordinate on it: metres, in pictures and plates frame heights.
+    pub at: f64,
+}
+
+/// The pin on the other side of the model that a mirrored pin follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mirror {
+    /// Index of its layer in the shot.
+    pub layer: usize,
+    /// Its index in that layer.
+    pub pin: usize,
+    /// Whether the mirrored pin is attached to the mirrored point, in place of an anchor of its own.
+    pub is_anchor_mirrored: bool,
+}
+
 /// A point of the model with its target over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
     /// Name, unique in its layer.
     pub name: String,
-    /// Its anchor.
+    /// Its anchor; that of the other pin if [`Mirror::is_anchor_mirrored`].
     pub anchor: Anchor,
+    /// The pin whose mirrored keys it takes; `keys` and `unit` are those of that pin.
+    pub mirror: Option<Mirror>,
     /// Unit of the offsets.
     pub unit: OffsetUnit,
     /// The region that it carries; `None`: only its point.

@@ -48,6 +48,8 @@ mod yielding;
 mod yielding_rows;
 
 pub(crate) use active_cells::active_cells;
+pub(crate) use branching::nearest_barycentric;
+pub(crate) use linalg::small_matrix::symmetric_eigen;
 
 pub use branching::{
     BranchedLattice, Link, LinkEnd, LinkKind, continued, inner_widths, link_length, nearest_link, solid_links,

@@ -18,6 +18,7 @@ mod layers;
 mod lines;
 mod mattes;
 mod memory;
+mod mirrored;
 mod motion;
 mod normal_maps;
 mod own_cameras;

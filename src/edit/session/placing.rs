@@ -7,9 +7,13 @@ use super::{Purpose, Session};
 use crate::edit::track::key_time;
 use crate::edit::worker::Question;
 use crate::pipeline::PickedPoint;
-use crate::shot::edit::{PinName, Setting, add_pin, put_keys, put_pin_setting, put_region, remove_pin, rename_pin};
+use crate::shot::edit::{
+    PinName, Setting, add_pin, mirror_pin, put_keys, put_pin_setting, put_region, remove_pin, rename_pin,
+};
 use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot};
 use crate::space::ScreenPoint;
+use crate::spelling::other_side;
+use std::collections::BTreeSet;
 
 /// Distance in frame heights below which a pinned point counts as at rest: a tenth of a pixel at 1080 lines.
 const AT_REST: f64 = 1e-4;
@@ -76,10 +80,41 @@ impl Session {
         true
     }
 
-    /// Deletes the selected pins.
+    /// Adds a pin on the other side of the model for each selected one, which follows it with mirrored keys.
+    pub fn mirror_pins(&mut self) {
+        let chosen: Vec<[usize; 2]> = self.selection.pins.iter().copied().collect();
+        let mut text = Ok(self.document.text().to_owned());
+        let mut added = Vec::new();
+        for [layer, pin] in chosen {
+            let owner = &self.document.shot().layers[layer];
+            let is_followed = owner
+                .pins
+                .iter()
+                .any(|other| other.mirror.is_some_and(|mirror| [mirror.layer, mirror.pin] == [layer, pin]));
+            if is_followed || owner.pins[pin].mirror.is_some() {
+                continue;
+            }
+            let of = &owner.pins[pin].name;
+            let wanted = other_side(of).unwrap_or_else(|| format!("{of} mirrored"));
+            let name = free_name(self.document.shot(), layer, &wanted);
+            let at = PinName { layer: &owner.name, pin: of };
+            text = text.and_then(|text| mirror_pin(&text, at, &name));
+            added.push(name);
+        }
+        if added.is_empty() {
+            return self.say("No pin without a mirrored one is selected: click one first.");
+        }
+        let label = if added.len() == 1 { "Mirror pin" } else { "Mirror pins" };
+        if self.change(label, text, None) {
+            self.say(format!("'{}' follows the selected pin, mirrored", added.join("', '")));
+        }
+    }
+
+    /// Deletes the selected pins, with the pins that follow them.
     pub fn delete_pins(&mut self) {
         let mut text = Ok(self.document.text().to_owned());
-        let names = self.chosen_names();
+        let chosen: Vec<[usize; 2]> = self.selection.pins.iter().copied().chain(self.followers()).collect();
+        let names: BTreeSet<_> = chosen.into_iter().filter_map(|at| self.names_of(at)).collect();
         if names.is_empty() {
             return self.say("No pin is selected: click one first.");
         }
@@ -146,8 +181,16 @@ impl Session {
         Some((layer.name.clone(), layer.pins.get(pin)?.name.clone()))
     }
 
-    fn chosen_names(&self) -> Vec<(String, String)> {
-        self.selection.pins.iter().filter_map(|&at| self.names_of(at)).collect()
+    /// Returns the pins that follow selected ones.
+    pub(super) fn followers(&self) -> Vec<[usize; 2]> {
+        let shot = self.document.shot();
+        let is_follower = |[layer, pin]: &[usize; 2]| {
+            let mirror = shot.layers[*layer].pins[*pin].mirror;
+            mirror.is_some_and(|mirror| self.selection.pins.contains(&[mirror.layer, mirror.pin]))
+        };
+        let all =
+            shot.layers.iter().enumerate().flat_map(|(layer, own)| (0..own.pins.len()).map(move |pin| [layer, pin]));
+        all.filter(is_follower).collect()
     }
 
     /// Selects all pins of the layer.
@@ -159,12 +202,25 @@ impl Session {
 
     /// Writes the keys of several pins.
     pub(super) fn write_keys(&mut self, label: &str, keys: &[([usize; 2], Vec<PinKey>)], series: Option<&str>) -> bool {
+        if let Some(message) = keys.iter().find_map(|(at, _)| self.follows(*at)) {
+            self.say(message);
+            self.let_go();
+            return false;
+        }
         let mut text = Ok(self.document.text().to_owned());
         for (at, keys) in keys {
             let Some((layer, pin)) = self.names_of(*at) else { continue };
             text = text.and_then(|text| put_keys(&text, PinName { layer: &layer, pin: &pin }, keys));
         }
         self.change(label, text, series)
+    }
+
+    /// Returns a message if a pin cannot have keys of its own, because it follows another one.
+    pub(super) fn follows(&self, at: [usize; 2]) -> Option<String> {
+        let shot = self.document.shot();
+        let mirror = shot.layers.get(at[0])?.pins.get(at[1])?.mirror?;
+        let (own, other) = (self.names_of(at)?, self.names_of([mirror.layer, mirror.pin])?);
+        Some(format!("'{}' follows '{}', mirrored: move that pin", own.1, other.1))
     }
 
     /// Discards the drag in progress and shows the frame of the document.

@@ -5,12 +5,12 @@
 use super::gesture::Gesture;
 use super::{Purpose, Session};
 use crate::edit::EditError;
-use crate::edit::mirror::other_side;
 use crate::edit::track::{Move, handle_moved, key_time, moved};
 use crate::pipeline::LayerMarks;
 use crate::shot::edit::put_handle;
 use crate::shot::{HandleTrack, LayerSpace, PinKey, PinRegion, Shot};
 use crate::space::ScreenPoint;
+use crate::spelling::other_side;
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -230,12 +230,16 @@ impl Session {
     /// Returns the shot with the selected pins and handles changed.
     fn dragged_shot(&self, base: &Shot, change: Move) -> Result<Shot, EditError> {
         let (mut shot, frame) = (base.clone(), self.playhead.frame());
+        if let Some(what) = self.selection.pins.iter().find_map(|&at| self.follows(at)) {
+            return Err(EditError::Unusable { what, hint: "or delete this one and pin it by itself".into() });
+        }
         let chosen = self.selection.pins.iter().map(|&at| (at, change));
         for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
             let keys = moved(base, at, (time, self.auto_key), change, self.box_size(at[0]))?;
             shot.layers[at[0]].pins[at[1]].keys = keys;
         }
+        shot.copy_mirrored_keys();
         let Move::By(by) = change else { return Ok(shot) };
         for &(layer, index) in &self.selection.handles {
             let owner = &base.layers[layer];
@@ -267,7 +271,8 @@ impl Session {
         let other = |at: [usize; 2]| {
             let name = other_side(&shot.layers[at[0]].pins[at[1]].name)?;
             // Looks in its own layer first, then in the others.
-            let named = |layer: usize| shot.layers[layer].pins.iter().position(|pin| pin.name == name);
+            let named =
+                |layer: usize| shot.layers[layer].pins.iter().position(|pin| pin.name == name && pin.mirror.is_none());
             let layers = std::iter::once(at[0]).chain(0..shot.layers.len());
             { layers }.find_map(|layer| Some([layer, named(layer)?]))
         };
@@ -289,6 +294,7 @@ impl Session {
                 let mut layers = self.selection.layers();
                 let others: Vec<usize> = self.counterparts(self.document.shot()).map(|[layer, _]| layer).collect();
                 layers.extend(others);
+                layers.extend(self.followers().into_iter().map(|[layer, _]| layer));
                 layers.sort_unstable();
                 layers.dedup();
                 self.refresh(Purpose::Drag(layers));

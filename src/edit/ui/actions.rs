@@ -59,6 +59,7 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
         Action::Delete => session.delete_keys(),
         Action::Mute => session.mute_chosen(),
         Action::Mirror => flip(&mut session.mirrors),
+        Action::MirrorPins => session.mirror_pins(),
         Action::All => session.choose_all(),
         Action::Play => session.toggle_play(now),
         Action::Back => session.step(-1),

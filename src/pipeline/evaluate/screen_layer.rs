@@ -9,10 +9,12 @@ use super::part_triangle_ranges::{PartTriangleRanges, held_triangle};
 use super::screen_shape::{ScreenShape, screen_shape, screen_shape_with_starts};
 use super::whole_layer;
 use crate::lattice::Grid;
+use crate::pipeline::prepare::mirrored_pins::{MirroredPin, Reflection};
 use crate::pipeline::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample};
+use crate::screen::Camera;
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};
 use crate::solve::{Cancel, PointPin, SolveError, Solver, Targets, Topology};
-use crate::space::{ScreenBox, ScreenVector};
+use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
 use std::borrow::Cow;
 
 /// A screen layer and the anchors of its pins: the shot's own, or a layer controlled by a host program.
@@ -36,6 +38,8 @@ pub struct LayerSolver {
     grid: Grid<2>,
     /// One per pin of the layer.
     rests: Vec<RestPoint>,
+    /// One per pin of the shot's layer: set if the pin is mirrored.
+    mirrored: Vec<Option<ScreenMirror>>,
     /// Weights of the layer's first pins; those of the others are 1.
     weights: Vec<f64>,
     border: Border,
@@ -45,6 +49,15 @@ pub struct LayerSolver {
     starts: Vec<PartTriangleRanges>,
     /// `None` if there are neither pins nor handles.
     solver: Option<Solver<2>>,
+}
+
+/// A mirrored pin at one time.
+#[derive(Clone, Copy, Debug)]
+struct ScreenMirror {
+    /// Position of the pin that it follows.
+    source: ScreenPoint,
+    reflection: Reflection,
+    camera: Camera,
 }
 
 /// The treatment of the edge of a layer's box.
@@ -135,12 +148,27 @@ pub(in crate::pipeline) fn unfactored(
         rest_box,
         grid: Grid::over(rest_box, dims, layer.basis),
         rests: anchors.iter().map(|anchor| anchor.rest(&mesh, &sample.camera)).collect(),
+        mirrored: screen_mirrors(prepared, sample, task),
         weights: weights.to_vec(),
         border: border(&prepared.shot.source, layer, bounds),
         triangles: Vec::new(),
         starts: Vec::new(),
         solver: None,
     })
+}
+
+/// Returns how the pins of a task follow others. The pins of a host program follow none.
+fn screen_mirrors(prepared: &PreparedShot, sample: &TimeSample, task: &LayerTask) -> Vec<Option<ScreenMirror>> {
+    if task.layer.pins.iter().all(|pin| pin.mirror.is_none()) {
+        return Vec::new();
+    }
+    let mesh = sample.mesh();
+    let mirror = |mirrored: &MirroredPin| ScreenMirror {
+        source: mirrored.source.rest(&mesh, &sample.camera).point,
+        reflection: mirrored.reflection(&sample.pose),
+        camera: sample.camera,
+    };
+    prepared.mirrored_pins_of(task.index).iter().map(|pin| pin.as_ref().map(mirror)).collect()
 }
 
 /// Whether the layer's lattice may branch.
@@ -219,7 +247,7 @@ impl LayerSolver {
             let whole_pins = path.last().map(|targets| {
                 let weights: Vec<f64> =
                     pins.iter().map(|state| state.presence * self.weight(layer, state.pin)).collect();
-                whole_layer::whole_pins(&pins, targets, &weights)
+                whole_layer::whole_pins(&pins, &self.turned(targets), &weights)
             });
             let whole = whole_pins.map(|pins| whole_layer::finish(&mut solution, &pins));
             return Ok(LayerState { solution: Some(solution), pins, whole, ..LayerState::default() });
@@ -242,27 +270,44 @@ impl LayerSolver {
         layer.pins[pin].weight * self.weights.get(pin).copied().unwrap_or(1.0)
     }
 
+    /// Returns targets in which the rotations of mirrored pins are those seen on their side.
+    fn turned<'t>(&self, targets: &'t PinTargets) -> Cow<'t, PinTargets> {
+        let mut turned = Cow::Borrowed(targets);
+        for (pin, mirror) in self.mirrored.iter().enumerate() {
+            let (Some(mirror), Some(Rotation::InView(angle))) = (mirror, targets.pins[pin].rotation) else { continue };
+            let angle = angle * mirror.reflection.turn(&mirror.camera);
+            turned.to_mut().pins[pin].rotation = Some(Rotation::InView(angle));
+        }
+        turned
+    }
+
     fn fault(&self, layer: &Layer, source: SolveError) -> PipelineError {
         PipelineError::Solve { layer: layer.name.clone(), frame: self.frame, source }
     }
 
     /// Returns the active pins for the overlay and for the solver.
     fn point_pins(&self, layer: &Layer, targets: &PinTargets) -> (Vec<PinState>, Vec<PointPin<2>>) {
+        let targets = self.turned(targets);
         let mut states = Vec::new();
         let mut points = Vec::new();
         for (pin, (rest, target)) in self.rests.iter().zip(&targets.pins).enumerate() {
             if rest.presence <= 0.0 || layer.pins[pin].is_muted {
                 continue;
             }
-            let goal = match target.goal {
+            let mirror = self.mirrored.get(pin).copied().flatten();
+            let offset = match target.goal {
                 Goal::Offset(offset) => match layer.pins[pin].unit {
-                    OffsetUnit::Frame => rest.point + offset,
-                    OffsetUnit::Box => rest.point + ScreenVector(offset.0 * self.rest_box.size()),
+                    OffsetUnit::Frame => offset,
+                    OffsetUnit::Box => ScreenVector(offset.0 * self.rest_box.size()),
                 },
-                Goal::Target(place) => rest.point + ScreenVector((place - rest.point).0 * layer.strength),
+                Goal::Target(place) => {
+                    let from = mirror.map_or(rest.point, |mirror| mirror.source);
+                    ScreenVector((place - from).0 * layer.strength)
+                }
                 // Goals of world layers, which the shot checks refuse for screen layers.
-                Goal::SceneOffset(_) | Goal::SceneTarget(_) => rest.point,
+                Goal::SceneOffset(_) | Goal::SceneTarget(_) => ScreenVector::default(),
             };
+            let goal = rest.point + mirror.map_or(offset, |mirror| mirror.reflection.on_screen(&mirror.camera, offset));
             let is_turned = target.rotation.is_some() || target.log_scale.is_some();
             // If the border rests, the discs of the flow rotate and scale instead.
             let gradient = (is_turned && self.border != Border::Rests).then(|| {

@@ -8,7 +8,7 @@ use crate::lattice::{BoxFrame, Grid};
 use crate::pipeline::prepare::anchors::presence;
 use crate::pipeline::{PinAnchor, PinState, PreparedShot, ScenePin};
 use crate::pose::Pose;
-use crate::screen::{Camera, Projected, primitive};
+use crate::screen::{Camera, primitive};
 use crate::shot::{Goal, OffsetUnit, PinTarget, PinTargets, Rotation};
 use crate::solve::{ModelPoint, PointPin, Shape, Targets, TimedProblem};
 use crate::space::{ScenePoint, ScreenPoint, ScreenVector};
@@ -107,7 +107,7 @@ impl<'a> WorldLayer<'a> {
         if presence <= 0.0 || layer.pins[pin].is_muted {
             return None;
         }
-        let goal = rest + self.displacement(pin, (rest, seen), target.goal);
+        let goal = rest + self.displacement(pin, rest, target.goal)?;
         let reached = self.camera.project_exact(goal);
         let is_in_view = [seen, reached].iter().all(|place| place.w > 0.0 && place.depth >= self.camera.near());
         let [at, to] = [rest, goal].map(|place| self.frame.box_from_scene(place).to_array());
@@ -120,8 +120,19 @@ impl<'a> WorldLayer<'a> {
         Some(WorldPin { state, in_scene: ScenePin { rest, target: goal }, point })
     }
 
-    /// Returns the displacement of a pin in scene space.
-    fn displacement(&self, pin: usize, (rest, seen): (DVec3, Projected), goal: Goal) -> DVec3 {
+    /// Returns the displacement of a pin in scene space. That of a mirrored pin is the reflection of that of the pin it
+    /// follows.
+    fn displacement(&self, pin: usize, rest: DVec3, goal: Goal) -> Option<DVec3> {
+        let Some(mirrored) = &self.prepared.mirrored_pins_of(self.index)[pin] else {
+            return Some(self.unmirrored(pin, rest, goal));
+        };
+        let followed = self.unmirrored(pin, mirrored.source.in_scene(self.pose)?, goal);
+        Some(mirrored.reflection(self.pose).direction(followed))
+    }
+
+    /// Returns the displacement of a point at `rest` by a pin's goal.
+    fn unmirrored(&self, pin: usize, rest: DVec3, goal: Goal) -> DVec3 {
+        let seen = self.camera.project_exact(rest);
         let layer = &self.prepared.shot.layers[self.index];
         match goal {
             Goal::SceneOffset(offset) => match layer.pins[pin].unit {
@@ -146,7 +157,10 @@ impl<'a> WorldLayer<'a> {
             return None;
         }
         let axes = self.frame.axes();
-        let in_box = |scene: DMat3| axes.transpose() * scene * axes;
+        let mirrored = self.prepared.mirrored_pins_of(self.index)[pin];
+        let reflection = mirrored.map(|mirrored| mirrored.reflection(self.pose));
+        let mirror = |scene: DMat3| reflection.map_or(scene, |reflection| reflection.gradient(scene));
+        let in_box = |scene: DMat3| axes.transpose() * mirror(scene) * axes;
         let rotation = match target.rotation {
             None => DMat3::IDENTITY,
             Some(Rotation::InView(angle)) => {
@@ -157,7 +171,7 @@ impl<'a> WorldLayer<'a> {
                 let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
                 match self.prepared.shot.layers[self.index].pins[pin].unit {
                     OffsetUnit::Frame => in_box(turn),
-                    OffsetUnit::Box => turn,
+                    OffsetUnit::Box => in_box(axes * turn * axes.transpose()),
                 }
             }
         };

@@ -10,12 +10,14 @@ pub(super) mod layer_assignment;
 pub(super) mod lighting;
 pub(super) mod mattes;
 pub(super) mod mesh_resolution;
+pub(super) mod mirrored_pins;
 pub(super) mod missing_files;
 pub(super) mod prepared_shot;
 pub(super) mod rest_links;
 pub(super) mod rest_mesh;
 pub(super) mod selection;
 pub(super) mod stiffness;
+pub(super) mod symmetry;
 pub(super) mod transfer;
 pub(super) mod transferred_branches;
 pub(super) mod visibility;
@@ -28,6 +30,7 @@ use crate::pose::{ClipChoice, Pose, PosedPart, pose};
 use crate::scene::{self, FileAccess, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
 use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source};
+use crate::space::ScreenPoint;
 use crate::spelling;
 use cameras::{CameraContext, CameraSource};
 use layer_assignment::LayerAssignment;
@@ -87,7 +90,7 @@ impl PreparedShot {
             scene,
             notes,
             assignment,
-            layer_inputs: LayerInputs { anchors: Vec::new(), stiffness, links, loaded },
+            layer_inputs: LayerInputs { anchors: Vec::new(), mirrored: Vec::new(), stiffness, links, loaded },
             draw_inputs: DrawInputs { rig: Vec::new(), submeshes, mattes, hidden_layers: Vec::new(), hidden_nodes },
             gallery: None,
             camera,
@@ -130,6 +133,10 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
         let mut attached = Vec::new();
         for (number, pin) in layer.pins.iter().enumerate() {
             let pinned = match pin.anchor {
+                // Replaced when the pin that it follows is attached.
+                _ if pin.mirror.is_some_and(|mirror| mirror.is_anchor_mirrored) => {
+                    PinAnchor::Screen(ScreenPoint::default())
+                }
                 Anchor::Screen { at, frame: None } => PinAnchor::Screen(at),
                 Anchor::Screen { at, frame: Some(frame) } => {
                     let (pose, mesh, camera) = casts.entry(frame).or_insert_with(|| {
@@ -154,16 +161,30 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
                     pinned
                 }
             };
-            if let Some(text) = note_on_pin(&prepared.assignment, index, &pinned) {
-                let at = if let PinAnchor::Surface { part, .. } = pinned { first.parts[part].node } else { 0 };
-                let node = &prepared.scene.nodes[at].name;
-                prepared.notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
-            }
             attached.push(pinned);
         }
         prepared.layer_inputs.anchors.push(attached);
     }
+    mirrored_pins::attach(prepared)?;
+    let notes = notes_on_pins(prepared, first);
+    prepared.notes.extend(notes);
     Ok(())
+}
+
+/// Returns notes on pins that are attached to points that their layers do not move, or not fully.
+fn notes_on_pins(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (index, layer) in prepared.shot.layers.iter().enumerate() {
+        for (pin, pinned) in layer.pins.iter().zip(prepared.anchors_of(index)) {
+            if let (PinAnchor::Surface { part, .. }, Some(text)) =
+                (pinned, note_on_pin(&prepared.assignment, index, pinned))
+            {
+                let node = &prepared.scene.nodes[first.parts[*part].node].name;
+                notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
+            }
+        }
+    }
+    notes
 }
 
 /// Returns a note on a pin that is attached to a point that its layer does not move, or not fully.

@@ -3,6 +3,7 @@
 
 use super::cameras::CameraSource;
 use super::layer_assignment::LayerAssignment;
+use super::mirrored_pins::MirroredPin;
 use super::stiffness::{Painted, PartStiffness};
 use super::transfer::Loaded;
 use crate::image::cryptomatte::MatteHeader;
@@ -52,6 +53,8 @@ pub struct PreparedShot {
 pub(in crate::pipeline) struct LayerInputs {
     /// One per layer and pin.
     pub(in crate::pipeline) anchors: Vec<Vec<PinAnchor>>,
+    /// One per layer and pin: set if the pin takes the keys of another one, mirrored.
+    pub(in crate::pipeline) mirrored: Vec<Vec<Option<MirroredPin>>>,
     /// Stiffness of the layers' triangles.
     pub(in crate::pipeline) stiffness: Painted,
     /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.
@@ -124,6 +127,11 @@ impl PreparedShot {
     #[must_use]
     pub fn anchors_of(&self, layer: usize) -> &[PinAnchor] {
         &self.layer_inputs.anchors[layer]
+    }
+
+    /// Returns how the pins of a layer follow others; `None` for pins that do not. Empty for layers that a host program drives.
+    pub(in crate::pipeline) fn mirrored_pins_of(&self, layer: usize) -> &[Option<MirroredPin>] {
+        &self.layer_inputs.mirrored[layer]
     }
 
     /// Returns the stiffness of a part's triangles; the part must belong to the layer.

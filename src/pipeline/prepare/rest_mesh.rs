@@ -5,6 +5,7 @@
 use crate::pose::{ClipChoice, Pose, pose};
 use crate::scene::Scene;
 use crate::screen::primitive;
+use glam::DVec3;
 
 /// The triangles of some parts, numbered consecutively over all parts.
 #[derive(Clone, Debug, Default)]
@@ -23,12 +24,16 @@ pub(in crate::pipeline) fn rest_pose(scene: &Scene) -> Pose {
 }
 
 impl RestMesh {
+    /// Returns the lower and upper corner of the bounding box, metres; both at the origin if there are no points.
+    pub(in crate::pipeline) fn bounds(&self) -> [DVec3; 2] {
+        let points = self.points.iter().map(|&point| [DVec3::from(point); 2]);
+        points.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
+    }
+
     /// Returns the sides of the bounding box along x, y and z, metres.
     pub(in crate::pipeline) fn sides(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| {
-            let values = || self.points.iter().map(|point| point[axis]);
-            (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)).max(0.0)
-        })
+        let [low, high] = self.bounds();
+        (high - low).to_array()
     }
 
     /// Returns the length of the bounding box's diagonal, metres.

@@ -10,7 +10,7 @@ use crate::pipeline::prepare::auto_dims;
 use crate::pipeline::{PipelineError, PreparedShot};
 use crate::pose::pose;
 use crate::raster::ChannelGroup;
-use crate::shot::{CameraRule, KeyLines, Layer, LayerSpace, Shot};
+use crate::shot::{CameraRule, KeyLines, Layer, LayerSpace, Pin, Shot};
 use crate::solve::Settings;
 
 /// A loaded shot that is being edited.
@@ -131,6 +131,7 @@ impl OpenShot {
     /// Attaches the pins of the same layers again.
     fn reattach_pins(&mut self, shot: &Shot) -> Result<(), PipelineError> {
         let old_anchors = std::mem::take(&mut self.prepared.layer_inputs.anchors);
+        let old_mirrored = self.prepared.layer_inputs.mirrored.clone();
         let old_shot = self.prepared.shot.clone();
         let old_notes = self.prepared.notes.len();
         self.put_shot(shot);
@@ -138,6 +139,7 @@ impl OpenShot {
         let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
         if let Err(error) = attach_pins(prepared, &first) {
             prepared.layer_inputs.anchors = old_anchors;
+            prepared.layer_inputs.mirrored = old_mirrored;
             prepared.shot = old_shot;
             prepared.cache = FrameCache::default();
             prepared.notes.truncate(old_notes);
@@ -177,7 +179,8 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
         return Rework::Layers;
     }
     let attachments = |shot: &Shot| -> Vec<Vec<_>> {
-        let of_layer = |layer: &Layer| layer.pins.iter().map(|pin| (pin.name.clone(), pin.anchor.clone())).collect();
+        let of_pin = |pin: &Pin| (pin.name.clone(), pin.anchor.clone(), pin.mirror);
+        let of_layer = |layer: &Layer| layer.pins.iter().map(of_pin).collect();
         shot.layers.iter().map(of_layer).collect()
     };
     let chooses_dims = |shot: &Shot| shot.layers.iter().any(|layer| layer.has_auto_dims);

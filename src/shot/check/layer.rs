@@ -2,6 +2,7 @@
 //!
 //! In: raw layers. Out: [`Layer`]s, with the shot's step and strength applied.
 
+use super::mirror::plane;
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::{MAX_HANDLES_IN_ALL, Support};
@@ -19,7 +20,10 @@ fn is_whole(layer: &RawLayer) -> bool {
 
 impl Check<'_> {
     pub(super) fn layers(&mut self, raw: Vec<RawLayer>, shot: &LayerDefaults) -> Vec<Layer> {
-        let layers: Vec<Layer> = raw.into_iter().enumerate().map(|(i, raw)| self.layer(raw, i, shot)).collect();
+        let of_layer = |raw: &RawLayer| raw.pin.iter().map(|pin| pin.mirror.clone()).collect();
+        let followed = raw.iter().map(of_layer).collect();
+        let mut layers: Vec<Layer> = raw.into_iter().enumerate().map(|(i, raw)| self.layer(raw, i, shot)).collect();
+        self.mirrored_pins(&mut layers, &followed);
         let names = layers.iter().enumerate().map(|(i, layer)| (format!("layer[{i}].name"), layer.name.as_str()));
         self.unique(names, "layer");
         self.rest_layers(&layers);
@@ -62,6 +66,7 @@ impl Check<'_> {
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
             stiffness: self.stiffness(raw.stiffness, &key),
+            symmetry: raw.symmetry.map(plane),
             pins,
             handles,
         }

@@ -6,6 +6,7 @@ mod camera;
 mod connectivity;
 mod image;
 mod layer;
+mod mirror;
 mod output;
 mod pin;
 mod place;

@@ -21,12 +21,13 @@ impl Check<'_> {
             .into_iter()
             .enumerate()
             .map(|(index, raw)| Pin {
-                anchor: self.anchor(&raw.anchor, &format!("{}.anchor", key(index)), shot),
+                anchor: self.anchor_of(&raw, &format!("{}.anchor", key(index)), shot),
+                mirror: None,
                 unit: raw.unit,
                 region: raw
                     .region
                     .map(|region| self.region(&region, &format!("{}.region", key(index)), (raw.unit, shot))),
-                weight: raw.weight,
+                weight: raw.weight.unwrap_or(1.0),
                 is_muted: raw.mute,
                 order: self.order(raw.order.as_ref(), &format!("{}.order", key(index)), shot),
                 keys: self.pin_keys(&raw, &format!("{}.keys", key(index)), shot),
@@ -36,6 +37,20 @@ impl Check<'_> {
         let names = pins.iter().enumerate().map(|(index, pin)| (format!("{}.name", key(index)), pin.name.as_str()));
         self.unique(names, "pin of this layer");
         pins
+    }
+
+    /// Returns the anchor of a pin. That of a mirrored pin without one is replaced later.
+    fn anchor_of(&mut self, raw: &RawPin, key: &str, shot: &LayerDefaults) -> Anchor {
+        match &raw.anchor {
+            Some(anchor) => self.anchor(anchor, key, shot),
+            None => {
+                if raw.mirror.is_none() {
+                    let hint = "give { screen = [x, y], frame = .. }, or write what `pinwarp pick` prints";
+                    self.fault(key, "is missing", hint);
+                }
+                Anchor::Screen { at: ScreenPoint::default(), frame: None }
+            }
+        }
     }
 
     fn anchor(&mut self, raw: &RawAnchor, key: &str, shot: &LayerDefaults) -> Anchor {

@@ -136,7 +136,12 @@ impl Check<'_> {
             let hint = "remove it, or add the `scene` that the plate shows";
             self.fault(&format!("{key}.lattice.space"), "a plate is warped on the screen", hint);
         }
-        for (index, _) in raw.pin.iter().enumerate().filter(|(_, pin)| pin.anchor.node.is_some()) {
+        for (index, _) in raw
+            .pin
+            .iter()
+            .enumerate()
+            .filter(|(_, pin)| pin.anchor.as_ref().is_some_and(|anchor| anchor.node.is_some()))
+        {
             let hint = "give a point of the screen: anchor = { screen = [0.9, 0.5] }";
             self.fault(&format!("{key}.pin[{index}].anchor.node"), "this shot has no scene with nodes", hint);
         }

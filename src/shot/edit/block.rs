@@ -21,15 +21,15 @@ const DECIMALS: i32 = 7;
 /// ```
 #[must_use]
 pub fn pin_block(name: &str, anchor: &Anchor, frame: i32) -> String {
-    let pin = NewPin { name, anchor: anchor_table(anchor, Digits::Few), keys: resting(i64::from(frame)) };
+    let pin = NewPin::anchored(name, anchor_table(anchor, Digits::Few), resting(i64::from(frame)));
     format!("  [[layer.pin]]\n{}", pin.table("  "))
 }
 
 /// A pin to be written.
 pub(super) struct NewPin<'a> {
     pub(super) name: &'a str,
-    pub(super) anchor: InlineTable,
-    pub(super) keys: Array,
+    /// Its keys after `name`, with their values.
+    entries: Vec<(&'static str, Value)>,
 }
 
 /// The precision of written numbers.
@@ -51,7 +51,22 @@ pub(super) fn resting(frame: i64) -> Array {
     keys
 }
 
-impl NewPin<'_> {
+impl<'a> NewPin<'a> {
+    /// Creates a pin with an anchor and keys.
+    pub(super) fn anchored(name: &'a str, anchor: InlineTable, keys: Array) -> Self {
+        Self { name, entries: vec![("anchor", Value::InlineTable(anchor)), ("keys", Value::Array(keys))] }
+    }
+
+    /// Creates a pin that follows another one, mirrored.
+    pub(super) fn mirrored(name: &'a str, of: &str) -> Self {
+        Self { name, entries: vec![("mirror", of.into())] }
+    }
+
+    /// Returns its anchor, if it has one of its own.
+    pub(super) fn anchor(&self) -> Option<&InlineTable> {
+        self.entries.iter().find(|(key, _)| *key == "anchor").and_then(|(_, value)| value.as_inline_table())
+    }
+
     /// Returns the pin for `[[layer.pin]]`, with every line indented.
     pub(super) fn table(&self, indent: &str) -> Table {
         let mut table = Table::new();
@@ -69,15 +84,11 @@ impl NewPin<'_> {
 
     /// Returns the pin for `pin = [ {..}, {..} ]`.
     pub(super) fn inline(&self) -> InlineTable {
-        self.entries().into_iter().collect()
+        self.entries().collect()
     }
 
-    fn entries(&self) -> [(&'static str, Value); 3] {
-        [
-            ("name", self.name.into()),
-            ("anchor", Value::InlineTable(self.anchor.clone())),
-            ("keys", Value::Array(self.keys.clone())),
-        ]
+    fn entries(&self) -> impl Iterator<Item = (&'static str, Value)> {
+        std::iter::once(("name", self.name.into())).chain(self.entries.iter().cloned())
     }
 }
 

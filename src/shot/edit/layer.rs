@@ -146,7 +146,7 @@ fn put_pins(layer: &mut dyn TableLike, pins: &[KeyedPin]) -> Result<(), ShotErro
     for pin in new {
         let anchor = pin.anchor.as_ref().ok_or_else(|| fault(pin.name, "is not there", "give it an anchor"))?;
         let keys = keys_array(&pin.keys);
-        let pin = NewPin { name: pin.name, anchor: anchor_table(anchor, Digits::All), keys };
+        let pin = NewPin::anchored(pin.name, anchor_table(anchor, Digits::All), keys);
         append_pin(list, &pin).ok_or_else(not_tables)?;
     }
     Ok(())

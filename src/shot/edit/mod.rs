@@ -45,7 +45,7 @@ pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> 
     }
     let mut text = EditableText::parse(text).map_err(|(what, hint)| edit(&what, hint))?;
     let keys = resting(first_frame(text.document.as_table()));
-    let pin = NewPin { name, anchor: anchor_table(anchor, Digits::Few), keys };
+    let pin = NewPin::anchored(name, anchor_table(anchor, Digits::Few), keys);
     let layers = text.document.entry("layer").or_insert_with(no_tables);
     if is_empty_list(layers) && layer.is_none() {
         append_layer(layers);
@@ -57,6 +57,30 @@ pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> 
     }
     put_pin(layer, &pin)?;
     Ok(text.finish())
+}
+
+/// Appends a pin that follows the pin `at` with mirrored keys, attached to the mirrored point.
+///
+/// ```
+/// use pinwarp::shot::edit;
+/// let text = "[[layer]]\nname = 'body'\n[[layer.pin]]\nname = 'hand.L'\nanchor = { screen = [0.5, 0.5], frame = 1 }\n";
+/// let edited = edit::mirror_pin(text, edit::PinName { layer: "body", pin: "hand.L" }, "hand.R")?;
+/// assert!(edited.contains("name   = \"hand.R\"\nmirror = \"hand.L\""), "{edited}");
+/// # Ok::<(), pinwarp::shot::ShotError>(())
+/// ```
+///
+/// # Errors
+/// [`ShotError::Edit`] if the text is not TOML, has no such pin, or a pin named `name` in its layer.
+pub fn mirror_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
+    pin::edit_layer(text, at.layer, at.pin, |layer| {
+        let not_tables = || fault(name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
+        let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
+        find(pins, Some(at.pin), "pin").map_err(|(what, hint)| fault(at.pin, &what, &hint))?;
+        if find(pins, Some(name), "pin").is_ok() {
+            return Err(fault(name, "is there already", "choose another name"));
+        }
+        append_pin(pins, &NewPin::mirrored(name, at.pin)).ok_or_else(not_tables)
+    })
 }
 
 fn fault(pin: &str, what: &str, hint: &str) -> ShotError {
@@ -124,7 +148,9 @@ fn put_pin(layer: &mut dyn TableLike, pin: &NewPin) -> Result<(), ShotError> {
     let not_tables = || fault(pin.name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
     let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
     if let Ok(existing) = find(pins, Some(pin.name), "pin") {
-        replace_anchor(existing, pin.anchor.clone());
+        if let Some(anchor) = pin.anchor() {
+            replace_anchor(existing, anchor.clone());
+        }
         return Ok(());
     }
     let is_appended = append_pin(pins, pin);

@@ -48,7 +48,18 @@ pub fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotErr
     if name.trim().is_empty() {
         return Err(fault(at.pin, "the new name is empty", "give a name"));
     }
-    edit_pin(text, at, |pin| replace(pin, "name", name.into()))
+    edit_layer(text, at.layer, at.pin, |layer| {
+        let pins = layer.get_mut("pin").ok_or_else(|| missing(at.pin))?;
+        let pin = find(pins, Some(at.pin), "pin").map_err(|(what, hint)| fault(at.pin, &what, &hint))?;
+        replace(pin, "name", name.into());
+        // Pins that follow it keep following it.
+        for pin in tables(pins).unwrap_or_default() {
+            if pin.get("mirror").and_then(Item::as_str) == Some(at.pin) {
+                replace(pin, "mirror", name.into());
+            }
+        }
+        Ok(())
+    })
 }
 
 /// Sets the region that a pin carries; `None`: only its point.

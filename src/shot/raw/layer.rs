@@ -47,6 +47,9 @@ pub(in crate::shot) struct RawLayer {
     /// Parts that keep their shape more, or less, than the rest of the layer.
     #[serde(default)]
     pub(in crate::shot) stiffness: Vec<RawStiffness>,
+    /// Plane at which pins with `mirror` are reflected. Default: the layer's own plane of symmetry at rest.
+    #[schemars(example = serde_json::json!({ "axis": "x", "at": 0.0 }))]
+    pub(in crate::shot) symmetry: Option<RawSymmetry>,
     /// Pins: points of the layer and their animated targets.
     #[serde(default)]
     pub(in crate::shot) pin: Vec<RawPin>,
@@ -237,9 +240,13 @@ pub(in crate::shot) struct RawPin {
     /// Name, unique in its layer; default: pin1, pin2...
     #[schemars(length(min = 1), example = &"spout")]
     pub(in crate::shot) name: Option<String>,
-    /// Point of a surface or of the screen to which the pin is attached.
+    /// Point of a surface or of the screen to which the pin is attached. Only pins with `mirror` may omit it.
     #[schemars(example = serde_json::json!({ "screen": [0.9, 0.5], "frame": 1 }))]
-    pub(in crate::shot) anchor: RawAnchor,
+    pub(in crate::shot) anchor: Option<RawAnchor>,
+    /// The pin on the other side of the model whose keys this pin takes, mirrored: its name, or layer and name. Without an
+    /// `anchor` the pin is attached to the mirrored point.
+    #[schemars(example = &"hand.L", example = serde_json::json!({ "layer": "arm.L", "pin": "hand" }))]
+    pub(in crate::shot) mirror: Option<RawMirror>,
     /// Unit of the offsets.
     #[serde(default)]
     pub(in crate::shot) unit: OffsetUnit,
@@ -247,9 +254,9 @@ pub(in crate::shot) struct RawPin {
     #[schemars(example = serde_json::json!({ "radius": 0.1, "rigidity": 1.0, "stiffness": 5.0 }))]
     pub(in crate::shot) region: Option<RawRegion>,
     /// How firmly the pin holds its point. 1: exactly; lower values give way to the shape and to other pins, in powers of ten.
-    #[serde(default = "super::default_one")]
+    /// Default: 1, with `mirror` that of the other pin.
     #[schemars(range(min = 0.0, max = 1.0), example = 0.4)]
-    pub(in crate::shot) weight: f64,
+    pub(in crate::shot) weight: Option<f64>,
     /// Mutes the pin: it is ignored.
     #[serde(default)]
     #[schemars(example = true)]
@@ -261,6 +268,52 @@ pub(in crate::shot) struct RawPin {
     #[serde(default)]
     #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
     pub(in crate::shot) keys: Vec<RawPinKey>,
+}
+
+/// The pin that a mirrored pin follows.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::shot) enum RawMirror {
+    /// Name of a pin of the same layer.
+    Pin(#[schemars(length(min = 1))] String),
+    /// A pin of another layer.
+    Of(RawMirroredPin),
+}
+
+/// A pin of another layer.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawMirroredPin {
+    /// Name of the layer.
+    #[schemars(length(min = 1), example = &"arm.L")]
+    pub(in crate::shot) layer: String,
+    /// Name of the pin.
+    #[schemars(length(min = 1), example = &"hand")]
+    pub(in crate::shot) pin: String,
+}
+
+/// The plane at which mirrored pins are reflected.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawSymmetry {
+    /// Axis of the scene at rest that is perpendicular to the plane; of pictures and plates the screen's.
+    #[schemars(example = &"x")]
+    pub(in crate::shot) axis: RawAxis,
+    /// Position of the plane on that axis: metres, in pictures and plates frame heights.
+    #[schemars(example = 0.0)]
+    pub(in crate::shot) at: f64,
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(in crate::shot) enum RawAxis {
+    /// Left to right.
+    X,
+    /// Bottom to top.
+    Y,
+    /// Back to front.
+    Z,
 }
 
 /// The order of a pin, constant or with keys.

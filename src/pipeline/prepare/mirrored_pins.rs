@@ -1,0 +1,264 @@
+//! Mirrored pins: the plane at which they are reflected, the point to which they are attached, and their targets.
+//!
+//! In: a shot with pins that follow others, the scene at rest. Out: [`MirroredPin`]s, and their [`Reflection`] at a time.
+
+use super::rest_mesh::{RestMesh, rest_pose};
+use super::symmetry::Symmetry;
+use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
+use crate::pose::Pose;
+use crate::screen::{Camera, primitive};
+use crate::shot::{AxisPlane, Mirror, Shot, Source};
+use crate::solve::nearest_barycentric;
+use crate::space::{ScreenPoint, ScreenVector};
+use crate::spelling::other_side;
+use glam::{DMat3, DVec2, DVec3};
+use std::collections::HashMap;
+
+/// Fraction of the surface that a plane has to map onto the surface to be used.
+const LEAST_MET: f64 = 0.5;
+
+/// Distance of a mirrored point from the surface, in diagonals of the model, above which the user is told.
+const FAR: f64 = 0.03;
+
+/// A pin that takes the keys of another one, mirrored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::pipeline) struct MirroredPin {
+    /// The anchor of the other pin.
+    pub(in crate::pipeline) source: PinAnchor,
+    /// The node with which the plane moves; `None`: it rests.
+    carrier: Option<usize>,
+    /// Normal of the plane in the space of that node.
+    normal: DVec3,
+}
+
+/// A reflection of directions at one time, in scene space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::pipeline) struct Reflection {
+    normal: DVec3,
+}
+
+impl MirroredPin {
+    /// Returns the reflection at the time of a pose.
+    pub(in crate::pipeline) fn reflection(&self, pose: &Pose) -> Reflection {
+        let normal = self.carrier.map_or(self.normal, |node| {
+            // Normals are transformed by the inverse transpose.
+            let scene_from_carrier = DMat3::from_mat4(pose.scene_from_node[node].as_dmat4());
+            scene_from_carrier.inverse().transpose() * self.normal
+        });
+        Reflection { normal: normal.normalize_or(DVec3::X) }
+    }
+}
+
+impl Reflection {
+    /// Returns the reflection of a direction in scene space.
+    pub(in crate::pipeline) fn direction(&self, direction: DVec3) -> DVec3 {
+        direction - 2.0 * self.normal.dot(direction) * self.normal
+    }
+
+    /// Returns the gradient that is the mirror image of a gradient in scene space: S G S, S the reflection.
+    pub(in crate::pipeline) fn gradient(&self, gradient: DMat3) -> DMat3 {
+        let reflect = DMat3::from_cols(self.direction(DVec3::X), self.direction(DVec3::Y), self.direction(DVec3::Z));
+        reflect * gradient * reflect
+    }
+
+    /// Returns the reflection of a direction on the screen; what turns it away from the view plane is lost.
+    pub(in crate::pipeline) fn on_screen(&self, camera: &Camera, direction: ScreenVector) -> ScreenVector {
+        let normal = self.in_view(camera);
+        let across = DVec2::new(normal.x, normal.y);
+        ScreenVector(direction.0 - 2.0 * across.dot(direction.0) * across)
+    }
+
+    /// Returns the factor of angles on the screen: −1 for a model seen from the front, 1 for one seen from the side.
+    pub(in crate::pipeline) fn turn(&self, camera: &Camera) -> f64 {
+        2.0 * self.in_view(camera).z.powi(2) - 1.0
+    }
+
+    fn in_view(&self, camera: &Camera) -> DVec3 {
+        camera.view_from_scene().transform_vector3(self.normal)
+    }
+}
+
+/// Attaches the mirrored pins of all layers, whose followed pins are attached already.
+pub(in crate::pipeline) fn attach(prepared: &mut PreparedShot) -> Result<(), PipelineError> {
+    let mirrors = prepared.shot.layers.iter().enumerate().flat_map(|(layer, own)| {
+        own.pins.iter().enumerate().filter_map(move |(pin, own)| Some(([layer, pin], own.mirror?)))
+    });
+    let mirrors: Vec<([usize; 2], Mirror)> = mirrors.collect();
+    prepared.layer_inputs.mirrored = prepared.shot.layers.iter().map(|layer| vec![None; layer.pins.len()]).collect();
+    if mirrors.is_empty() {
+        return Ok(());
+    }
+    let rest = rest_pose(&prepared.scene);
+    let mut planes: HashMap<[usize; 2], Symmetry> = HashMap::new();
+    for (place, mirror) in mirrors {
+        let layers = [place[0], mirror.layer];
+        let plane = match planes.get(&layers) {
+            Some(&plane) => plane,
+            None => plane_of(prepared, &rest, place, layers)?,
+        };
+        planes.insert(layers, plane);
+        let task = Task {
+            prepared,
+            rest: &rest,
+            place,
+            plane,
+            source: prepared.layer_inputs.anchors[mirror.layer][mirror.pin],
+        };
+        let anchor = if mirror.is_anchor_mirrored { Some(task.anchor()?) } else { None };
+        let mirrored = task.mirrored();
+        if let Some((anchor, note)) = anchor {
+            prepared.layer_inputs.anchors[place[0]][place[1]] = anchor;
+            prepared.notes.extend(note);
+        }
+        prepared.layer_inputs.mirrored[place[0]][place[1]] = Some(mirrored);
+    }
+    Ok(())
+}
+
+/// Returns the plane between the two layers of a mirrored pin: that of the shot, or the best that the model at rest has.
+fn plane_of(
+    prepared: &mut PreparedShot,
+    rest: &Pose,
+    place: [usize; 2],
+    layers: [usize; 2],
+) -> Result<Symmetry, PipelineError> {
+    let layer = &prepared.shot.layers[layers[0]];
+    if let Some(AxisPlane { axis, at }) = layer.symmetry.or(prepared.shot.layers[layers[1]].symmetry) {
+        return Ok(Symmetry { normal: DVec3::AXES[axis], offset: at, met: 1.0 });
+    }
+    let mut parts = layers.map(|layer| prepared.assignment.parts_of_layer[layer].clone()).concat();
+    parts.sort_unstable();
+    parts.dedup();
+    let found = Symmetry::of(&RestMesh::of(&prepared.scene, rest, &parts));
+    let percent = |found: Symmetry| (100.0 * found.met).round();
+    let Some(plane) = found.filter(|found| found.met >= LEAST_MET) else {
+        let share = found.map_or(0.0, percent);
+        let what =
+            format!("no plane of symmetry is found: the best one maps {share} % of the surface at rest onto itself");
+        let hint = "give the layer one, symmetry = { axis = \"x\", at = 0.0 }, and the mirrored pin an `anchor`";
+        return Err(fault(&prepared.shot, place, (&what, hint)));
+    };
+    let note = format!(
+        "layer '{}': mirrored pins are reflected at the plane {}, which maps {} % of the surface at rest onto itself",
+        layer.name,
+        equation(&plane),
+        percent(plane)
+    );
+    prepared.notes.push(note);
+    Ok(plane)
+}
+
+/// Returns the equation of a plane in words: `x = 0.012`, or `0.6 x + 0 y + 0.8 z = 1.2`.
+fn equation(plane: &Symmetry) -> String {
+    let rounded = |value: f64| (value * 1e3).round() / 1e3 + 0.0;
+    let axes = plane.normal.to_array();
+    match axes.iter().position(|x| x.abs() > 0.9998) {
+        Some(axis) => format!("{} = {}", ["x", "y", "z"][axis], rounded(plane.offset * axes[axis].signum())),
+        None => {
+            let [x, y, z] = axes.map(rounded);
+            format!("{x} x + {y} y + {z} z = {}", rounded(plane.offset))
+        }
+    }
+}
+
+/// A mirrored pin to be attached.
+struct Task<'a> {
+    prepared: &'a PreparedShot,
+    rest: &'a Pose,
+    /// Layer and pin.
+    place: [usize; 2],
+    plane: Symmetry,
+    /// The anchor of the followed pin.
+    source: PinAnchor,
+}
+
+impl Task<'_> {
+    fn mirrored(&self) -> MirroredPin {
+        let carrier = self.prepared.assignment.carriers[self.place[0]];
+        let normal = carrier.map_or(self.plane.normal, |node| {
+            let scene_from_carrier = DMat3::from_mat4(self.rest.scene_from_node[node].as_dmat4());
+            scene_from_carrier.transpose() * self.plane.normal
+        });
+        MirroredPin { source: self.source, carrier, normal }
+    }
+
+    /// Returns the mirrored point of the followed pin's, and a note if the surface is not there.
+    fn anchor(&self) -> Result<(PinAnchor, Option<String>), PipelineError> {
+        let (at, part) = match self.source {
+            PinAnchor::Screen(point) => return self.screen_anchor(point).map(|anchor| (anchor, None)),
+            PinAnchor::Surface { part, corners, barycentric, .. } => {
+                let place =
+                    |k: usize| self.rest.parts[part].positions[corners[k] as usize].0.as_dvec3() * barycentric[k];
+                (place(0) + place(1) + place(2), part)
+            }
+        };
+        let image = self.plane.reflected(at);
+        let own = &self.prepared.assignment.parts_of_layer[self.place[0]];
+        let diagonal = RestMesh::of(&self.prepared.scene, self.rest, own).diagonal();
+        // The part on the other side by name, or the same part, before what only lies near.
+        let twin = self.twin_parts(part);
+        let near: Vec<usize> = own.iter().copied().filter(|part| twin.contains(part)).collect();
+        let nearest = |parts: &[usize]| {
+            parts.iter().filter_map(|&part| self.nearest(part, image)).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let found = nearest(&near).filter(|(gap, _)| *gap <= FAR * diagonal).or_else(|| nearest(own));
+        let Some((gap, anchor)) = found else {
+            let hint = "give the mirrored pin an `anchor`";
+            return Err(self.fault("its layer has no surface to which the mirrored point could be attached", hint));
+        };
+        let note = (gap > FAR * diagonal).then(|| {
+            let layer = &self.prepared.shot.layers[self.place[0]];
+            format!(
+                "layer '{}': the mirrored point of pin '{}' is {} % of the layer's diagonal away from its surface at rest; give the \
+                 pin an `anchor` if it is attached to the wrong place",
+                layer.name,
+                layer.pins[self.place[1]].name,
+                (100.0 * gap / diagonal).round()
+            )
+        });
+        Ok((anchor, note))
+    }
+
+    /// Returns the parts of the node on the other side by name, else those of the same node.
+    fn twin_parts(&self, part: usize) -> Vec<usize> {
+        let scene = &self.prepared.scene;
+        let node = self.rest.parts[part].node;
+        let twin = other_side(&scene.nodes[node].name).and_then(|name| scene.node_named(&name)).unwrap_or(node);
+        (0..self.rest.parts.len()).filter(|&part| self.rest.parts[part].node == twin).collect()
+    }
+
+    /// Returns the nearest point of a part at rest, with its distance.
+    fn nearest(&self, part: usize, point: DVec3) -> Option<(f64, PinAnchor)> {
+        let posed = &self.rest.parts[part];
+        let place = |corner: u32| posed.positions[corner as usize].0.as_dvec3();
+        let triangles = primitive(&self.prepared.scene, posed).triangles.iter().enumerate();
+        let nearest = triangles.map(|(triangle, &corners)| {
+            let places = corners.map(place);
+            let barycentric = nearest_barycentric(&point.to_array(), &places.map(|place| place.to_array()));
+            let found: DVec3 = places.iter().zip(barycentric).map(|(place, share)| *place * share).sum();
+            (found.distance(point), PinAnchor::Surface { part, triangle, corners, barycentric })
+        });
+        nearest.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Returns the mirrored point of a point of the screen, which pictures and plates have.
+    fn screen_anchor(&self, point: ScreenPoint) -> Result<PinAnchor, PipelineError> {
+        if matches!(self.prepared.shot.source, Source::Scene(_)) {
+            let hint = "add `frame` to the anchor of the pin that it follows, or give the mirrored pin an `anchor`";
+            return Err(self.fault("the pin that it follows is fixed on the screen, which has no other side", hint));
+        }
+        let image = self.plane.reflected(DVec3::new(point.0.x, point.0.y, 0.0));
+        Ok(PinAnchor::Screen(ScreenPoint::new(image.x, image.y)))
+    }
+
+    fn fault(&self, what: &str, hint: &str) -> PipelineError {
+        fault(&self.prepared.shot, self.place, (what, hint))
+    }
+}
+
+/// Creates the error for a mirrored pin that does not match the scene.
+fn fault(shot: &Shot, [layer, pin]: [usize; 2], (what, hint): (&str, &str)) -> PipelineError {
+    let names = (&shot.layers[layer].name, &shot.layers[layer].pins[pin].name);
+    let what = format!("layer '{}', pin '{}': {what}", names.0, names.1);
+    PipelineError::mismatch(shot, &format!("layer[{layer}].pin[{pin}].mirror"), what, hint)
+}

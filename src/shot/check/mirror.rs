@@ -1,0 +1,99 @@
+//! Validates `mirror` of pins and `symmetry` of layers, and gives mirrored pins the keys of the pins they follow.
+//!
+//! In: all checked layers, and the pins that `mirror` names. Out: the layers, with [`Mirror`]s, keys and units set.
+
+use super::Check;
+use crate::shot::raw::{RawAxis, RawMirror, RawSymmetry};
+use crate::shot::{AxisPlane, Layer, LayerSpace, Mirror, Pin};
+use crate::spelling;
+
+/// What `mirror` of each pin names: #layers, then #pins.
+pub(super) type Followed = Vec<Vec<Option<RawMirror>>>;
+
+/// Returns the plane of a layer's `symmetry`.
+pub(super) const fn plane(raw: RawSymmetry) -> AxisPlane {
+    let axis = match raw.axis {
+        RawAxis::X => 0,
+        RawAxis::Y => 1,
+        RawAxis::Z => 2,
+    };
+    AxisPlane { axis, at: raw.at }
+}
+
+impl Check<'_> {
+    /// Resolves the names of followed pins and copies keys, unit, region and weight from them, where a mirrored pin has none of its own.
+    pub(super) fn mirrored_pins(&mut self, layers: &mut [Layer], followed: &Followed) {
+        let given: Vec<Layer> = layers.to_vec();
+        for (index, names) in followed.iter().enumerate() {
+            for (number, name) in names.iter().enumerate() {
+                let Some(name) = name else { continue };
+                let key = format!("layer[{index}].pin[{number}]");
+                let Some(mirror) = self.mirror(name, &key, (&given, followed), [index, number]) else { continue };
+                let source = &given[mirror.layer].pins[mirror.pin];
+                let own = &given[index].pins[number];
+                layers[index].pins[number] = Pin {
+                    name: own.name.clone(),
+                    anchor: if mirror.is_anchor_mirrored { source.anchor.clone() } else { own.anchor.clone() },
+                    mirror: Some(mirror),
+                    unit: source.unit,
+                    region: own.region.or(source.region),
+                    weight: if self.document.has(&format!("{key}.weight")) { own.weight } else { source.weight },
+                    is_muted: own.is_muted,
+                    order: own.order.clone(),
+                    keys: source.keys.clone(),
+                };
+            }
+        }
+    }
+
+    /// Returns the pin that `mirror` names; `None` if it names none that can be followed, which is a fault.
+    fn mirror(
+        &mut self,
+        name: &RawMirror,
+        key: &str,
+        (layers, followed): (&[Layer], &Followed),
+        place: [usize; 2],
+    ) -> Option<Mirror> {
+        for other in ["keys", "unit"].map(|other| format!("{key}.{other}")) {
+            if self.document.has(&other) {
+                self.fault(&other, "a mirrored pin takes this from the pin that it follows", "remove it, or `mirror`");
+            }
+        }
+        let key_of_mirror = format!("{key}.mirror");
+        let (layer, pin) = match name {
+            RawMirror::Pin(pin) => (place[0], pin),
+            RawMirror::Of(of) => {
+                let names = layers.iter().map(|layer| layer.name.as_str());
+                let Some(layer) = layers.iter().position(|layer| layer.name == of.layer) else {
+                    let hint = spelling::hint(&of.layer, names);
+                    self.fault(&format!("{key_of_mirror}.layer"), format!("there is no layer '{}'", of.layer), hint);
+                    return None;
+                };
+                (layer, &of.pin)
+            }
+        };
+        let names = layers[layer].pins.iter().map(|pin| pin.name.as_str());
+        let Some(found) = layers[layer].pins.iter().position(|other| other.name == *pin) else {
+            let what = format!("layer '{}' has no pin '{pin}'", layers[layer].name);
+            self.fault(&key_of_mirror, what, spelling::hint(pin, names));
+            return None;
+        };
+        let is_world = |index: usize| matches!(layers[index].space, LayerSpace::World { .. });
+        let fault = if [layer, found] == place {
+            Some(("a pin cannot follow itself", "name the pin on the other side"))
+        } else if followed[layer][found].is_some() {
+            Some(("the pin that it names is mirrored itself", "name the pin that has the keys"))
+        } else if is_world(layer) != is_world(place[0]) {
+            let hint = "give both lattices the same `space`";
+            Some(("one of the two layers moves on the screen, the other in the scene", hint))
+        } else {
+            None
+        };
+        if let Some((what, hint)) = fault {
+            self.fault(&key_of_mirror, what, hint);
+            return None;
+        }
+        let is_anchor_mirrored = !self.document.has(&format!("{key}.anchor"));
+        Some(Mirror { layer, pin: found, is_anchor_mirrored })
+    }
+}
