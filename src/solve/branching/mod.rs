@@ -27,11 +27,11 @@ mod support_box;
 mod terms;
 
 pub use branched_lattice::BranchedLattice;
-pub use continuation::continued;
-pub use inner_width::inner_widths;
+pub(crate) use continuation::continued;
+pub(crate) use inner_width::inner_widths;
 pub use link::{Link, LinkEnd, LinkKind};
-pub use rest_links::{nearest_link, surface_links};
-pub use solid_links::{link_length, solid_links};
+pub(crate) use rest_links::{nearest_link, surface_links};
+pub(crate) use solid_links::{link_length, solid_links};
 
 use super::error::SolveError;
 use super::linalg::small_matrix::{dot, minus};
