@@ -1,12 +1,16 @@
 //! Compares all methods on one problem: the same pins and grid, one table and one picture.
 //!
-//! In: a problem and methods. Out: [`Entry`]s, a table, a [`comparison_sheet`].
+//! In: a problem and methods. Out: [`Entry`]s, a table, a `comparison_sheet`.
 
+#[cfg(feature = "cli")]
 mod comparison_sheet;
+#[cfg(feature = "cli")]
 mod table;
 
-pub use comparison_sheet::{ColorRun, SheetModel, comparison_sheet};
-pub use table::table;
+#[cfg(feature = "cli")]
+pub(crate) use comparison_sheet::{ColorRun, SheetModel, comparison_sheet};
+#[cfg(feature = "cli")]
+pub(crate) use table::table;
 
 use crate::lattice::{Grid, Lattice};
 use crate::solve::methods::{Deformed, Deformer};
