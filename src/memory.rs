@@ -1,6 +1,6 @@
 //! Memory budget of the process: the bytes that decoded pictures, scenes and frames may occupy together.
 //!
-//! In: a limit, and the bytes that a step will hold at once. Out: a [`Reservation`], or [`OverBudget`] before anything
+//! In: a limit, and the bytes that a step will hold at once. Out: a `Reservation`, or [`OverBudget`] before anything
 //! is decoded. Allocation failures cannot be used instead, because operating systems overcommit memory and then kill
 //! the process.
 
@@ -45,7 +45,7 @@ pub struct OverBudget {
 
 /// Bytes that count as in use until this value is dropped.
 #[derive(Debug)]
-pub struct Reservation {
+pub(crate) struct Reservation {
     bytes: u64,
 }
 
@@ -56,7 +56,7 @@ pub fn set_limit(limit: MemoryLimit) {
 
 /// Returns the limit of this process in bytes: the one set, or else three quarters of the system's memory.
 #[must_use]
-pub fn limit() -> u64 {
+pub(crate) fn limit() -> u64 {
     match LIMIT.load(Ordering::Relaxed) {
         0 => *DEFAULT,
         limit => limit,
@@ -67,7 +67,7 @@ pub fn limit() -> u64 {
 ///
 /// # Errors
 /// Returns [`OverBudget`] if it exceeds the limit.
-pub fn check(bytes: u128) -> Result<(), OverBudget> {
+pub(crate) fn check(bytes: u128) -> Result<(), OverBudget> {
     let limit = limit();
     if bytes <= u128::from(limit) { Ok(()) } else { Err(OverBudget { needed: bytes, limit }) }
 }
@@ -76,7 +76,7 @@ pub fn check(bytes: u128) -> Result<(), OverBudget> {
 ///
 /// # Errors
 /// Returns [`OverBudget`] if the bytes exceed the limit, so that no wait could help.
-pub fn reserve(bytes: u128) -> Result<Reservation, OverBudget> {
+pub(crate) fn reserve(bytes: u128) -> Result<Reservation, OverBudget> {
     Ok(reserve_until(bytes, &|| false)?.expect("nothing gives it up"))
 }
 
@@ -85,7 +85,7 @@ pub fn reserve(bytes: u128) -> Result<Reservation, OverBudget> {
 ///
 /// # Errors
 /// As [`reserve`].
-pub fn reserve_until(bytes: u128, stop: &dyn Fn() -> bool) -> Result<Option<Reservation>, OverBudget> {
+pub(crate) fn reserve_until(bytes: u128, stop: &dyn Fn() -> bool) -> Result<Option<Reservation>, OverBudget> {
     check(bytes)?;
     let bytes = bytes as u64;
     loop {
@@ -111,7 +111,7 @@ impl Drop for Reservation {
 impl MemoryLimit {
     /// Converts the limit to bytes on this system; `u64::MAX` for a percentage if the system's memory is unknown.
     #[must_use]
-    pub fn bytes(self) -> u64 {
+    pub(crate) fn bytes(self) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
             Self::Percent(percent) => system_bytes().map_or(u64::MAX, |all| (all as f64 * percent / 100.0) as u64),

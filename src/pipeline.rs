@@ -31,10 +31,10 @@ mod error;
 
 pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
 pub use draw::jerk::JerkMeter;
-pub use draw::passes::{PassPlan, plan_passes};
+pub(crate) use draw::passes::{PassPlan, plan_passes};
 pub use draw::report::report;
 pub use error::PipelineError;
-pub use evaluate::screen_layer::{LayerSolver, LayerTask};
+pub(crate) use evaluate::screen_layer::{LayerSolver, LayerTask};
 pub use evaluate::time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
 pub use interchange::bake::BakeTimes;
 pub use interchange::lattice_tracks::lattices;
@@ -45,7 +45,7 @@ pub use prepare::anchors::{PinAnchor, RestPoint};
 pub(crate) use prepare::branch_lattices::lattices_of_file;
 pub use prepare::layer_assignment::LayerAssignment;
 pub use prepare::prepared_shot::PreparedShot;
-pub use prepare::selection::{LayerShare, SharedPart};
+pub use prepare::selection::SharedPart;
 #[cfg(feature = "cli")]
 pub(crate) use run::contents::digest_with;
 pub use run::events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};

@@ -115,7 +115,7 @@ impl ScreenBox {
 
     /// Returns the smallest box that contains both boxes.
     #[must_use]
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self::new(ScreenPoint(self.min.0.min(other.min.0)), ScreenPoint(self.max.0.max(other.max.0)))
     }
 
@@ -129,12 +129,6 @@ impl ScreenBox {
     #[must_use]
     pub fn center(self) -> ScreenPoint {
         ScreenPoint((self.min.0 + self.max.0) * 0.5)
-    }
-
-    /// Returns the length of the diagonal in frame heights, to which the solver's tolerances are relative.
-    #[must_use]
-    pub fn diagonal(self) -> f64 {
-        self.size().length()
     }
 }
 
@@ -206,7 +200,7 @@ impl FrameSize {
 
     /// Converts a screen displacement to pixels, x right and **y up** (the convention of motion channels).
     #[must_use]
-    pub fn pixels_from_screen(self, vector: ScreenVector) -> DVec2 {
+    pub(crate) fn pixels_from_screen(self, vector: ScreenVector) -> DVec2 {
         let height = f64::from(self.height);
         DVec2::new(vector.0.x * height / self.pixel_aspect, vector.0.y * height)
     }

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Warp animated glTF scenes with pins placed on the screen, and write EXR sequences.
 #[derive(Debug, Parser)]
 #[command(name = "pinwarp", bin_name = "pinwarp", version, propagate_version = true, after_help = EXIT_CODES)]
-pub struct Args {
+pub(crate) struct Args {
     /// The command to run.
     #[command(subcommand)]
     pub(super) command: Command,

@@ -38,7 +38,7 @@ mod warnings;
 mod warp;
 mod warp_args;
 
-pub use args::Args;
+pub(crate) use args::Args;
 
 use crate::memory;
 use crate::shot::ShotError;
@@ -58,7 +58,7 @@ pub fn main() -> ExitCode {
 /// Runs the program with other arguments, the first of which is its name; returns the exit code. Usage errors, `--help`
 /// and `--version` end the process.
 #[must_use]
-pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
+pub(crate) fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
     let args = Args::parse_from(args);
     log_to_stderr(args.verbose);
     args.max_memory.into_iter().for_each(memory::set_limit);

@@ -38,22 +38,22 @@ const BEST: Rgba8 = Rgba8([255, 214, 10, 255]);
 const PLAIN: [u8; 3] = [134, 178, 214];
 
 /// Number of consecutive triangles, and their colour; triangles after the last run have the default colour.
-pub type ColorRun = (usize, [u8; 3]);
+pub(crate) type ColorRun = (usize, [u8; 3]);
 
 /// The model that all methods deform.
 #[derive(Clone, Copy, Debug)]
-pub struct SheetModel<'a> {
+pub(crate) struct SheetModel<'a> {
     /// Shape, pins, and the rest grid.
-    pub problem: &'a Problem<'a, 2>,
+    pub(crate) problem: &'a Problem<'a, 2>,
     /// Colours of its triangles.
-    pub color_runs: &'a [ColorRun],
+    pub(crate) color_runs: &'a [ColorRun],
     /// Title of the first panel.
-    pub title: &'a str,
+    pub(crate) title: &'a str,
 }
 
 /// Draws the sheet.
 #[must_use]
-pub fn comparison_sheet(figure: &SheetModel, entries: &[Entry<2>]) -> Preview {
+pub(crate) fn comparison_sheet(figure: &SheetModel, entries: &[Entry<2>]) -> Preview {
     let groups: Vec<&[Entry<2>]> = entries.chunk_by(|one, next| one.basis == next.basis).collect();
     let longest = groups.iter().map(|group| group.len() + 1).max().unwrap_or(1);
     let columns = if groups.len() > 1 { longest } else { COLUMNS.min(longest) };

@@ -1,13 +1,17 @@
 //! Compares all methods on one problem: the same pins, box and dims, one table and one picture. Each method runs on the basis with
 //! which it was published and on that of the problem, so that the effects of basis and energy can be told apart.
 //!
-//! In: a problem and methods. Out: [`Entry`]s, a table, a [`comparison_sheet`].
+//! In: a problem and methods. Out: [`Entry`]s, a table, a `comparison_sheet`.
 
+#[cfg(feature = "cli")]
 mod comparison_sheet;
+#[cfg(feature = "cli")]
 mod table;
 
-pub use comparison_sheet::{ColorRun, SheetModel, comparison_sheet};
-pub use table::table;
+#[cfg(feature = "cli")]
+pub(crate) use comparison_sheet::{ColorRun, SheetModel, comparison_sheet};
+#[cfg(feature = "cli")]
+pub(crate) use table::table;
 
 use crate::lattice::{Basis, Grid, Lattice};
 use crate::solve::methods::{Deformed, Deformer};
@@ -67,7 +71,7 @@ pub fn run<const D: usize>(method: &dyn Deformer<D>, problem: &Problem<D>) -> Re
 ///
 /// # Errors
 /// [`SolveError`] if the method cannot solve it, or the basis does not fit the dims.
-pub fn run_on<const D: usize>(
+pub(crate) fn run_on<const D: usize>(
     method: &dyn Deformer<D>,
     problem: &Problem<D>,
     basis: Basis,

@@ -14,7 +14,7 @@ const HEAD: &str =
 /// angle: mean change of a triangle corner, radians; area: mean |σ1σ2 − 1| by area; pin error and stray handles in
 /// diagonals of the rest box.
 #[must_use]
-pub fn table<const D: usize>(entries: &[Entry<D>]) -> String {
+pub(crate) fn table<const D: usize>(entries: &[Entry<D>]) -> String {
     let least = |pick: fn(&Entry<D>) -> f64| entries.iter().map(pick).fold(f64::INFINITY, f64::min);
     let (angle, area) = (least(|entry| entry.metrics.angle), least(|entry| entry.metrics.area));
     let star = |is_least: bool| if is_least { '*' } else { ' ' };

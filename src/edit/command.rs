@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Command {
     /// A short description, such as "Move pin".
-    pub label: String,
+    pub(crate) label: String,
     /// Byte offset of the first difference.
     at: usize,
     removed: String,

@@ -21,12 +21,9 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// All channels.
-    pub const ALL: [Self; 4] = [Self::X, Self::Y, Self::Rotation, Self::Scale];
-
     /// Returns the display name.
     #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::X => "x, px",
             Self::Y => "y, px",
@@ -37,7 +34,7 @@ impl Channel {
 
     /// Returns a key's value; `None` if it has none, or one given in scene space. `lines`: frame height in pixels.
     #[must_use]
-    pub fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
+    pub(crate) fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
         let place = match key.goal {
             Goal::Offset(offset) => Some(offset.0),
             Goal::Target(target) => Some(target.0),
@@ -54,7 +51,7 @@ impl Channel {
 
     /// Returns the key with another value, clamped to the valid range.
     #[must_use]
-    pub fn put(self, key: &PinKey, value: f64, lines: f64) -> PinKey {
+    pub(crate) fn put(self, key: &PinKey, value: f64, lines: f64) -> PinKey {
         let mut key = *key;
         let height = (value / lines * 1e6).round() / 1e6;
         let moved = |old: DVec2| match self {
@@ -88,9 +85,9 @@ pub struct Tangent {
     /// 0: the outgoing handle of that key; 1: the incoming handle of the next key.
     pub control: usize,
     /// Time and value of the key that it is attached to.
-    pub from: [f64; 2],
+    pub(crate) from: [f64; 2],
     /// Its own time and value.
-    pub to: [f64; 2],
+    pub(crate) to: [f64; 2],
 }
 
 /// Returns the tangents of a channel at the keys of some times.

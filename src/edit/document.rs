@@ -24,8 +24,6 @@ pub struct Document {
     shot: Shot,
     history: History,
     journal: Option<Journal>,
-    /// Incremented by every change.
-    revision: u64,
 }
 
 /// The result of checking the file on disk.
@@ -58,14 +56,14 @@ impl Document {
     pub fn new(path: &Path, text: String) -> Result<Self, EditError> {
         let shot = Shot::parse(&text, path)?;
         let (path, history) = (path.to_owned(), History::default());
-        Ok(Self { path, text, on_disk: None, shot, history, journal: None, revision: 0 })
+        Ok(Self { path, text, on_disk: None, shot, history, journal: None })
     }
 
     /// Restores a document from the journal of a killed editor.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn recovered(left: Unfinished) -> Result<Self, EditError> {
+    pub(crate) fn recovered(left: Unfinished) -> Result<Self, EditError> {
         let mut document = Self::new(&left.path, left.text)?;
         document.on_disk = read_text(&left.path, SHOT_BYTES).ok();
         document.history = left.history;
@@ -73,7 +71,7 @@ impl Document {
     }
 
     /// Starts a journal in a folder. Failures are ignored: editing goes on without one.
-    pub fn keep_journal(&mut self, folder: &Path) {
+    pub(crate) fn keep_journal(&mut self, folder: &Path) {
         self.journal = match Journal::begin(folder, &self.path, &self.text) {
             Ok(journal) => Some(journal),
             Err(error) => {
@@ -107,12 +105,6 @@ impl Document {
         &self.history
     }
 
-    /// Returns the revision number, incremented by every change.
-    #[must_use]
-    pub const fn revision(&self) -> u64 {
-        self.revision
-    }
-
     /// Returns whether there are unsaved changes.
     #[must_use]
     pub fn is_dirty(&self) -> bool {
@@ -123,23 +115,22 @@ impl Document {
     ///
     /// # Errors
     /// [`ShotError`] if the text is not a valid shot; the document is then unchanged.
-    pub fn change(&mut self, label: &str, text: String, series: Option<&str>) -> Result<(), ShotError> {
+    pub(crate) fn change(&mut self, label: &str, text: String, series: Option<&str>) -> Result<(), ShotError> {
         let Some(command) = Command::between(label, &self.text, &text) else { return Ok(()) };
         self.shot = Shot::parse(&text, &self.path)?;
         let recorded = self.history.record(command, series, &self.text);
         self.text = text;
-        self.revision += 1;
         self.note(|journal| journal.note(&recorded));
         Ok(())
     }
 
     /// Ends the series: the next change is undone separately.
-    pub fn end_series(&mut self) {
+    pub(crate) fn end_series(&mut self) {
         self.history.end_series();
     }
 
     /// Undoes the last change; returns its label.
-    pub fn undo(&mut self) -> Option<String> {
+    pub(crate) fn undo(&mut self) -> Option<String> {
         let (text, label) = self.history.undo(&self.text)?;
         self.put_old(text);
         self.note(Journal::note_undo);
@@ -147,7 +138,7 @@ impl Document {
     }
 
     /// Redoes the change undone last; returns its label.
-    pub fn redo(&mut self) -> Option<String> {
+    pub(crate) fn redo(&mut self) -> Option<String> {
         let (text, label) = self.history.redo(&self.text)?;
         self.put_old(text);
         self.note(Journal::note_redo);
@@ -160,7 +151,6 @@ impl Document {
             self.shot = shot;
         }
         self.text = text;
-        self.revision += 1;
     }
 
     fn note(&mut self, note: impl FnOnce(&mut Journal) -> std::io::Result<()>) {
@@ -176,7 +166,7 @@ impl Document {
     ///
     /// # Errors
     /// [`EditError`] if it cannot be written.
-    pub fn save(&mut self) -> Result<(), EditError> {
+    pub(crate) fn save(&mut self) -> Result<(), EditError> {
         replace_text(&self.path, &self.text)?;
         self.on_disk = Some(self.text.clone());
         Ok(())
@@ -186,7 +176,7 @@ impl Document {
     ///
     /// # Errors
     /// As [`Self::save`].
-    pub fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
+    pub(crate) fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let seen = |file: &Path| {
             let file = path_between(folder, file)?;
@@ -216,7 +206,6 @@ impl Document {
         }
         (self.path, self.shot, self.on_disk) = (path.to_owned(), shot, Some(text.clone()));
         self.text = text;
-        self.revision += 1;
         let path = self.path.clone();
         self.note(|journal| journal.note_path(&path));
         Ok(())
@@ -243,14 +232,14 @@ impl Document {
     ///
     /// # Errors
     /// [`EditError`] if it is not a valid shot.
-    pub fn take_from_disk(&mut self, text: String) -> Result<(), EditError> {
+    pub(crate) fn take_from_disk(&mut self, text: String) -> Result<(), EditError> {
         self.change("Reload from disk", text.clone(), None)?;
         self.on_disk = Some(text);
         Ok(())
     }
 
     /// Keeps the document's text; the next save overwrites what another program wrote.
-    pub fn keep_own(&mut self, on_disk: String) {
+    pub(crate) fn keep_own(&mut self, on_disk: String) {
         self.on_disk = Some(on_disk);
     }
 }

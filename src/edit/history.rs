@@ -16,7 +16,7 @@ pub struct History {
 impl History {
     /// Records an executed change. Consecutive changes with the same `series` are merged. Returns what a journal has to
     /// record: the command, and whether it replaces the last one.
-    pub fn record(&mut self, command: Command, series: Option<&str>, before: &str) -> Recorded {
+    pub(crate) fn record(&mut self, command: Command, series: Option<&str>, before: &str) -> Recorded {
         let goes_on = series.is_some() && series == self.open.as_deref() && self.undone.is_empty();
         self.undone.clear();
         self.open = series.map(str::to_owned);
@@ -41,12 +41,12 @@ impl History {
     }
 
     /// Ends the series: the next change is undone separately.
-    pub fn end_series(&mut self) {
+    pub(crate) fn end_series(&mut self) {
         self.open = None;
     }
 
     /// Undoes the last command: returns the text before it, and its label.
-    pub fn undo(&mut self, text: &str) -> Option<(String, String)> {
+    pub(crate) fn undo(&mut self, text: &str) -> Option<(String, String)> {
         let before = self.done.last()?.undo(text)?;
         let command = self.done.pop()?;
         let label = command.label.clone();
@@ -56,25 +56,13 @@ impl History {
     }
 
     /// Redoes the command undone last: returns the text after it, and its label.
-    pub fn redo(&mut self, text: &str) -> Option<(String, String)> {
+    pub(crate) fn redo(&mut self, text: &str) -> Option<(String, String)> {
         let after = self.undone.last()?.apply(text)?;
         let command = self.undone.pop()?;
         let label = command.label.clone();
         self.done.push(command);
         self.open = None;
         Some((after, label))
-    }
-
-    /// Returns the label of the next command to undo.
-    #[must_use]
-    pub fn next_undo(&self) -> Option<&str> {
-        self.done.last().map(|command| command.label.as_str())
-    }
-
-    /// Returns the label of the next command to redo.
-    #[must_use]
-    pub fn next_redo(&self) -> Option<&str> {
-        self.undone.last().map(|command| command.label.as_str())
     }
 
     /// Returns the labels of all executed commands, oldest first.
@@ -85,7 +73,7 @@ impl History {
 
 /// How a change was recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Recorded {
+pub(crate) enum Recorded {
     /// As a separate command.
     Added(Command),
     /// Merged with the last command; `None` if the two cancel out.
@@ -117,7 +105,7 @@ mod tests {
         for _ in 0..500 {
             (text, _) = history.redo(&text).expect("there is more");
         }
-        assert_eq!((text.as_str(), history.next_redo()), ("number 499", None));
+        assert_eq!((text.as_str(), history.redo(&text)), ("number 499", None));
     }
 
     #[test]

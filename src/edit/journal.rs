@@ -34,24 +34,22 @@ enum Line {
 
 /// The journal of one open document. Dropping it deletes the file; a killed process leaves it behind.
 #[derive(Debug)]
-pub struct Journal {
+pub(crate) struct Journal {
     path: PathBuf,
     file: File,
 }
 
 /// A document restored from the journal of a killed editor.
 #[derive(Clone, Debug)]
-pub struct Unfinished {
+pub(crate) struct Unfinished {
     /// The shot file.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Its text with all journalled changes.
-    pub text: String,
-    /// The text when the journal began.
-    pub begun: String,
+    pub(crate) text: String,
     /// The undo history.
-    pub history: History,
+    pub(crate) history: History,
     /// The journal's path.
-    pub journal: PathBuf,
+    pub(crate) journal: PathBuf,
 }
 
 impl Journal {
@@ -59,7 +57,7 @@ impl Journal {
     ///
     /// # Errors
     /// I/O errors of creating or writing the file.
-    pub fn begin(folder: &Path, document: &Path, text: &str) -> io::Result<Self> {
+    pub(crate) fn begin(folder: &Path, document: &Path, text: &str) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let process = std::process::id();
         let name = XxHash3_128::oneshot(document.as_os_str().as_encoded_bytes());
@@ -74,7 +72,7 @@ impl Journal {
     ///
     /// # Errors
     /// I/O errors of writing.
-    pub fn note(&mut self, recorded: &Recorded) -> io::Result<()> {
+    pub(crate) fn note(&mut self, recorded: &Recorded) -> io::Result<()> {
         self.write(&match recorded {
             Recorded::Added(command) => Line::Do(command.clone()),
             Recorded::Joined(command) => Line::Join(command.clone()),
@@ -85,7 +83,7 @@ impl Journal {
     ///
     /// # Errors
     /// I/O errors of writing.
-    pub fn note_undo(&mut self) -> io::Result<()> {
+    pub(crate) fn note_undo(&mut self) -> io::Result<()> {
         self.write(&Line::Undo)
     }
 
@@ -93,7 +91,7 @@ impl Journal {
     ///
     /// # Errors
     /// I/O errors of writing.
-    pub fn note_redo(&mut self) -> io::Result<()> {
+    pub(crate) fn note_redo(&mut self) -> io::Result<()> {
         self.write(&Line::Redo)
     }
 
@@ -101,7 +99,7 @@ impl Journal {
     ///
     /// # Errors
     /// I/O errors of writing.
-    pub fn note_path(&mut self, document: &Path) -> io::Result<()> {
+    pub(crate) fn note_path(&mut self, document: &Path) -> io::Result<()> {
         self.write(&Line::Path(document.to_owned()))
     }
 
@@ -122,7 +120,7 @@ impl Drop for Journal {
 
 /// Returns the documents that killed editors left in a folder of journals; journals of running processes are skipped.
 #[must_use]
-pub fn unfinished(folder: &Path) -> Vec<Unfinished> {
+pub(crate) fn unfinished(folder: &Path) -> Vec<Unfinished> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
     let mut found: Vec<Unfinished> = paths
@@ -152,7 +150,7 @@ fn read(journal: &Path) -> Option<Unfinished> {
         let Some((after, next)) = replay(line, &text, history.clone()) else { break };
         (text, history) = (after, next);
     }
-    (text != begun).then(|| Unfinished { path, text, begun, history, journal: journal.to_owned() })
+    (text != begun).then(|| Unfinished { path, text, history, journal: journal.to_owned() })
 }
 
 /// Applies a line to text and history.
@@ -209,10 +207,7 @@ mod tests {
         assert_eq!((text.as_str(), unfinished(folder.path()).len()), ("four", 0), "it lives");
         killed(folder.path(), journal);
         let [left] = &unfinished(folder.path())[..] else { panic!("one is left") };
-        assert_eq!(
-            (left.text.as_str(), left.begun.as_str(), left.path.as_path()),
-            ("four", "one", Path::new("/shots/b.toml"))
-        );
+        assert_eq!((left.text.as_str(), left.path.as_path()), ("four", Path::new("/shots/b.toml")));
         let mut history = left.history.clone();
         let (before, _) = history.undo(&left.text).expect("three and four are one series");
         assert_eq!(before, "two");

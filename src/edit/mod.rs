@@ -33,16 +33,17 @@ pub use command::Command;
 pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};
 pub use error::EditError;
-pub use history::{History, Recorded};
-pub use journal::{Journal, Unfinished, unfinished};
+pub use history::History;
+pub(crate) use journal::{Unfinished, unfinished};
 pub use open::open;
 pub use picture::{Picture, Quality};
-pub use playhead::{Pace, Playhead};
-pub use reference::Reference;
-pub use session::{
-    EXPORTS, EasePreset, Held, MatteChoice, Onion, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown, Wipe,
-};
-pub use shortcuts::{Action, Chord, Shortcuts};
-pub use track::AutoKey;
-pub use worker::{Loaded, SolvedFrame};
+pub(crate) use playhead::Pace;
+pub use playhead::Playhead;
+pub(crate) use reference::Reference;
+pub(crate) use session::{EXPORTS, Onion, Wipe};
+pub use session::{EasePreset, Held, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown};
+pub use shortcuts::Action;
+pub(crate) use shortcuts::{Chord, Shortcuts};
+pub(crate) use track::AutoKey;
+pub use worker::SolvedFrame;
 pub use zoom::{Lens, Zoom};

@@ -6,7 +6,7 @@ use crate::shot::FrameRange;
 
 /// Playback mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Pace {
+pub(crate) enum Pace {
     /// At the shot's frame rate; frames that are not ready are skipped.
     #[default]
     RealTime,
@@ -25,19 +25,19 @@ pub struct Playhead {
     /// Time in seconds and frame at which playback started.
     playing: Option<(f64, i32)>,
     /// The playback mode.
-    pub pace: Pace,
+    pub(crate) pace: Pace,
 }
 
 impl Playhead {
     /// Creates a playhead at the first frame of a shot.
     #[must_use]
-    pub fn new(frames: &FrameRange) -> Self {
+    pub(crate) fn new(frames: &FrameRange) -> Self {
         let shot = [frames.first, frames.last];
         Self { frame: frames.first, shot, range: None, rate: frames.rate, playing: None, pace: Pace::default() }
     }
 
     /// Adapts to a changed frame range of the shot.
-    pub fn follow(&mut self, frames: &FrameRange) {
+    pub(crate) fn follow(&mut self, frames: &FrameRange) {
         self.shot = [frames.first, frames.last];
         self.rate = frames.rate;
         self.range = self.range.filter(|[first, last]| *first >= self.shot[0] && *last <= self.shot[1]);
@@ -58,7 +58,7 @@ impl Playhead {
 
     /// Returns the first and last frame of the playback range.
     #[must_use]
-    pub fn range(&self) -> [i32; 2] {
+    pub(crate) fn range(&self) -> [i32; 2] {
         self.range.unwrap_or(self.shot)
     }
 
@@ -74,13 +74,13 @@ impl Playhead {
     }
 
     /// Goes to a frame, clamped to the shot, and stops playback.
-    pub fn go(&mut self, frame: i32) {
+    pub(crate) fn go(&mut self, frame: i32) {
         self.frame = frame.clamp(self.shot[0], self.shot[1].max(self.shot[0]));
         self.playing = None;
     }
 
     /// Moves by a number of frames, wrapping around within the playback range, and stops playback.
-    pub fn step(&mut self, by: i32) {
+    pub(crate) fn step(&mut self, by: i32) {
         let [first, last] = self.range();
         let count = (last - first + 1).max(1);
         let frame = first + (self.frame - first + by).rem_euclid(count);
@@ -89,12 +89,12 @@ impl Playhead {
 
     /// Returns whether the shot is playing.
     #[must_use]
-    pub const fn is_playing(&self) -> bool {
+    pub(crate) const fn is_playing(&self) -> bool {
         self.playing.is_some()
     }
 
     /// Starts or stops playback.
-    pub fn toggle(&mut self, now_secs: f64) {
+    pub(crate) fn toggle(&mut self, now_secs: f64) {
         self.playing = match self.playing {
             Some(_) => None,
             None => Some((now_secs, self.frame.clamp(self.range()[0], self.range()[1]))),
@@ -103,7 +103,7 @@ impl Playhead {
 
     /// Advances playback to the time `now_secs`; `is_ready`: whether the current frame is displayed already. Returns
     /// whether the current frame changed.
-    pub fn tick(&mut self, now_secs: f64, is_ready: bool) -> bool {
+    pub(crate) fn tick(&mut self, now_secs: f64, is_ready: bool) -> bool {
         let Some((since, from)) = self.playing else { return false };
         let [first, last] = self.range();
         let count = i64::from(last - first + 1).max(1);
@@ -126,7 +126,7 @@ impl Playhead {
 
     /// Returns the seconds until the next frame is due; `None` if playback is stopped.
     #[must_use]
-    pub fn due_in(&self, now_secs: f64) -> Option<f64> {
+    pub(crate) fn due_in(&self, now_secs: f64) -> Option<f64> {
         let (since, _) = self.playing?;
         let passed = (now_secs - since) * self.rate;
         Some(((passed.floor() + 1.0 - passed) / self.rate).max(0.001))

@@ -11,16 +11,16 @@ use std::sync::Arc;
 
 /// A reference picture.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub(crate) struct Reference {
     path: PathBuf,
     /// Opacity, 0 to 1.
-    pub opacity: f32,
+    pub(crate) opacity: f32,
     /// Whether it is drawn above the frame; else below.
-    pub is_above: bool,
+    pub(crate) is_above: bool,
     /// Offset to the right and up, in frame heights.
-    pub offset: [f32; 2],
+    pub(crate) offset: [f32; 2],
     /// Its height in frame heights.
-    pub scale: f32,
+    pub(crate) scale: f32,
     loaded: Option<(PathBuf, Arc<Picture>)>,
 }
 
@@ -29,7 +29,7 @@ impl Reference {
     ///
     /// # Errors
     /// [`EditError`] if it cannot be read.
-    pub fn open(path: &Path, frame: i32) -> Result<Self, EditError> {
+    pub(crate) fn open(path: &Path, frame: i32) -> Result<Self, EditError> {
         let mut reference =
             Self { path: path.to_owned(), opacity: 0.5, is_above: true, offset: [0.0; 2], scale: 1.0, loaded: None };
         let file = reference.file_of(frame)?;
@@ -38,7 +38,7 @@ impl Reference {
     }
 
     /// Returns the picture of a frame; `None` if the sequence lacks it.
-    pub fn at(&mut self, frame: i32) -> Option<Arc<Picture>> {
+    pub(crate) fn at(&mut self, frame: i32) -> Option<Arc<Picture>> {
         let file = self.file_of(frame).ok()?;
         if self.loaded.as_ref().is_none_or(|(known, _)| *known != file) {
             self.load(&file).ok()?;

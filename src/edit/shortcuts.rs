@@ -9,21 +9,21 @@ use std::path::Path;
 
 /// A key combination.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Chord {
+pub(crate) struct Chord {
     /// Ctrl, or Cmd on a Mac.
-    pub command: bool,
+    pub(crate) command: bool,
     /// Shift.
-    pub shift: bool,
+    pub(crate) shift: bool,
     /// Alt.
-    pub alt: bool,
+    pub(crate) alt: bool,
     /// The key's name, "Z" or "Space".
-    pub key: String,
+    pub(crate) key: String,
 }
 
 impl Chord {
     /// Parses a chord such as "Ctrl+Shift+Z".
     #[must_use]
-    pub fn parse(text: &str) -> Option<Self> {
+    pub(crate) fn parse(text: &str) -> Option<Self> {
         let mut chord = Self::default();
         let mut parts: Vec<&str> = text.split('+').map(str::trim).collect();
         chord.key = parts.pop().filter(|key| !key.is_empty())?.to_owned();
@@ -61,23 +61,23 @@ macro_rules! actions {
 
         impl Action {
             /// All actions, in the order of the list.
-            pub const ALL: &[Self] = &[$(Self::$action,)*];
+            pub(crate) const ALL: &[Self] = &[$(Self::$action,)*];
 
             /// Returns the id used in files.
             #[must_use]
-            pub const fn id(self) -> &'static str {
+            pub(crate) const fn id(self) -> &'static str {
                 match self { $(Self::$action => $id,)* }
             }
 
             /// Returns the group that the action is listed under.
             #[must_use]
-            pub const fn group(self) -> &'static str {
+            pub(crate) const fn group(self) -> &'static str {
                 match self { $(Self::$action => $group,)* }
             }
 
             /// Returns the description shown to the user.
             #[must_use]
-            pub const fn words(self) -> &'static str {
+            pub(crate) const fn words(self) -> &'static str {
                 match self { $(Self::$action => $words,)* }
             }
 
@@ -136,7 +136,7 @@ actions! {
 
 /// Chords by action.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shortcuts(BTreeMap<Action, Chord>);
+pub(crate) struct Shortcuts(BTreeMap<Action, Chord>);
 
 impl Default for Shortcuts {
     fn default() -> Self {
@@ -150,7 +150,7 @@ impl Shortcuts {
     ///
     /// # Errors
     /// [`EditError`] if the file cannot be read, or holds an unknown action, an invalid chord or a duplicate one.
-    pub fn read(path: &Path) -> Result<Self, EditError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, EditError> {
         if !path.exists() {
             return Ok(Self::default());
         }
@@ -184,7 +184,7 @@ impl Shortcuts {
 
     /// Returns the chord of an action.
     #[must_use]
-    pub fn of(&self, action: Action) -> Option<&Chord> {
+    pub(crate) fn of(&self, action: Action) -> Option<&Chord> {
         self.0.get(&action)
     }
 }

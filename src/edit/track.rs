@@ -9,7 +9,7 @@ use glam::DVec2;
 
 /// How moving a pin affects its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum AutoKey {
+pub(crate) enum AutoKey {
     /// A key is set at the current time.
     #[default]
     On,

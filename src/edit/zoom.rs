@@ -31,9 +31,9 @@ pub enum Zoom {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Size of the picture.
-    pub frame: FrameSize,
+    pub(crate) frame: FrameSize,
     /// Size of the viewport.
-    pub viewport: DVec2,
+    pub(crate) viewport: DVec2,
     scale: f64,
     /// Viewport position of the picture's upper left corner.
     origin: DVec2,
@@ -56,7 +56,7 @@ impl Zoom {
 
     /// Zooms by a factor around a fixed viewport position.
     #[must_use]
-    pub fn zoomed(self, lens: &Lens, at: DVec2, factor: f64) -> Self {
+    pub(crate) fn zoomed(self, lens: &Lens, at: DVec2, factor: f64) -> Self {
         let scale = (lens.scale * factor).clamp(LIMITS[0], LIMITS[1]);
         let fixed = (at - lens.origin) / lens.scale;
         Self::At { scale, center: fixed - (at - 0.5 * lens.viewport) / scale }
@@ -64,14 +64,14 @@ impl Zoom {
 
     /// Pans by an offset in viewport units.
     #[must_use]
-    pub fn panned(self, lens: &Lens, by: DVec2) -> Self {
+    pub(crate) fn panned(self, lens: &Lens, by: DVec2) -> Self {
         let center = (0.5 * lens.viewport - lens.origin - by) / lens.scale;
         Self::At { scale: lens.scale, center }
     }
 
     /// Zooms to viewport units per pixel; the centre stays fixed.
     #[must_use]
-    pub fn at_scale(self, lens: &Lens, scale: f64) -> Self {
+    pub(crate) fn at_scale(self, lens: &Lens, scale: f64) -> Self {
         self.zoomed(lens, 0.5 * lens.viewport, scale / lens.scale)
     }
 }
@@ -79,13 +79,13 @@ impl Zoom {
 impl Lens {
     /// Returns the viewport units per pixel of the picture.
     #[must_use]
-    pub const fn scale(&self) -> f64 {
+    pub(crate) const fn scale(&self) -> f64 {
         self.scale
     }
 
     /// Returns the viewport units per frame height.
     #[must_use]
-    pub fn frame_height(&self) -> f64 {
+    pub(crate) fn frame_height(&self) -> f64 {
         self.scale * f64::from(self.frame.height)
     }
 
@@ -98,14 +98,14 @@ impl Lens {
 
     /// Converts a viewport position to a screen point.
     #[must_use]
-    pub fn screen_from_viewport(&self, at: DVec2) -> ScreenPoint {
+    pub(crate) fn screen_from_viewport(&self, at: DVec2) -> ScreenPoint {
         let pixel = (at - self.origin) / self.scale / DVec2::new(self.frame.pixel_aspect, 1.0);
         self.frame.screen_from_image(ImagePoint(pixel))
     }
 
     /// Returns the upper left and lower right corners of the picture in the viewport.
     #[must_use]
-    pub fn corners(&self) -> [DVec2; 2] {
+    pub(crate) fn corners(&self) -> [DVec2; 2] {
         let size = DVec2::new(f64::from(self.frame.width) * self.frame.pixel_aspect, f64::from(self.frame.height));
         [self.origin, self.origin + size * self.scale]
     }

@@ -24,15 +24,15 @@ pub struct LatticeBranch {
 }
 
 /// The handles that influence a branch, #handles.
-pub type ActingHandles = Vec<Option<[f64; 2]>>;
+pub(crate) type ActingHandles = Vec<Option<[f64; 2]>>;
 
 /// Convex polygons.
-pub type Region = Vec<Vec<[f64; 2]>>;
+pub(crate) type Region = Vec<Vec<[f64; 2]>>;
 
 impl LatticeBranches {
     /// Creates branches from handles and polygons, from back to front.
     #[must_use]
-    pub fn of(branches: Vec<(ActingHandles, Region)>) -> Self {
+    pub(crate) fn of(branches: Vec<(ActingHandles, Region)>) -> Self {
         let (mut points, mut known) = (Vec::new(), HashMap::new());
         let mut place = |point: [f64; 2]| {
             *known.entry(point.map(f64::to_bits)).or_insert_with(|| {

@@ -53,7 +53,7 @@ impl LatticeTrack {
     /// Returns the branches at a frame, and the listed frame that they belong to: the nearest one of the track, or of
     /// two equally near ones the earlier. `None` if the lattice does not branch there.
     #[must_use]
-    pub fn branches_at(&self, frame: i32) -> Option<(i32, &LatticeBranches)> {
+    pub(crate) fn branches_at(&self, frame: i32) -> Option<(i32, &LatticeBranches)> {
         let Track::Screen(lattices) = &self.track else { return None };
         let nearest = lattices.keys().copied().min_by_key(|listed| (i64::from(*listed) - i64::from(frame)).abs())?;
         Some((nearest, self.branches.get(&nearest)?))
@@ -83,7 +83,7 @@ impl LatticeFile {
 
     /// Whether any lattice branches.
     #[must_use]
-    pub fn has_branches(&self) -> bool {
+    pub(crate) fn has_branches(&self) -> bool {
         self.layers.iter().any(|layer| !layer.branches.is_empty())
     }
 

@@ -15,5 +15,5 @@ mod raw;
 pub use after_effects::{DisplacementNote, displacement, greatest_offset};
 pub use error::ExportError;
 pub use landmarks::{Landmark, LandmarkUnit, Landmarks};
-pub use lattice_branches::{ActingHandles, LatticeBranch, LatticeBranches, Region};
+pub use lattice_branches::{LatticeBranch, LatticeBranches};
 pub use lattice_file::{LatticeFile, LatticeTrack, Track, lattice_at};

@@ -101,7 +101,7 @@ pub(super) fn check_replaceable(path: &Path) -> Result<(), ImageError> {
 ///
 /// # Errors
 /// [`ImageError::Io`] if the disk is full or the directory is not writable.
-pub fn replace_text(path: &Path, text: &str) -> Result<(), ImageError> {
+pub(crate) fn replace_text(path: &Path, text: &str) -> Result<(), ImageError> {
     replace_bytes(path, text.as_bytes())
 }
 
@@ -109,7 +109,7 @@ pub fn replace_text(path: &Path, text: &str) -> Result<(), ImageError> {
 ///
 /// # Errors
 /// [`ImageError::Io`] if the disk is full or the directory is not writable.
-pub fn replace_bytes<'a>(to: impl Into<Destination<'a>>, bytes: &[u8]) -> Result<(), ImageError> {
+pub(crate) fn replace_bytes<'a>(to: impl Into<Destination<'a>>, bytes: &[u8]) -> Result<(), ImageError> {
     let to = to.into();
     replace_file(to, |file| file.write_all(bytes).map_err(|source| ImageError::writing(to.path, source)))
 }

@@ -18,7 +18,7 @@ pub enum ChannelGroup {
     /// `id.layer` and `id.object`: float; 0 where there is no surface.
     Id,
     /// Six ranks of each Cryptomatte: float. Their names depend on the layer
-    /// ([`rank_channel_names`](super::cryptomatte::rank_channel_names)), so they are not in the table.
+    /// (`rank_channel_names`), so they are not in the table.
     Cryptomatte,
 }
 
@@ -47,7 +47,7 @@ const fn data(name: &'static str) -> ChannelSpec {
 
 impl ChannelGroup {
     /// The groups with a fixed number of channels, in the order of a frame.
-    pub const PLANAR: [Self; 5] = [Self::Beauty, Self::Depth, Self::Motion, Self::Normal, Self::Id];
+    pub(crate) const PLANAR: [Self; 5] = [Self::Beauty, Self::Depth, Self::Motion, Self::Normal, Self::Id];
 
     /// Returns the channels of the group, in order.
     ///
@@ -69,7 +69,7 @@ impl ChannelGroup {
 
     /// Whether the group holds one exact sample per pixel instead of a filtered mean.
     #[must_use]
-    pub const fn is_data(self) -> bool {
+    pub(crate) const fn is_data(self) -> bool {
         matches!(self, Self::Depth | Self::Motion | Self::Normal | Self::Id)
     }
 }

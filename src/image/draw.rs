@@ -60,7 +60,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Draws the outline of a circle, centred on the stroke.
-    pub fn ring(&mut self, center: ImagePoint, radius_px: f64, width_px: f64, color: Rgba8) {
+    pub(crate) fn ring(&mut self, center: ImagePoint, radius_px: f64, width_px: f64, color: Rgba8) {
         if !is_length(width_px) {
             return;
         }
@@ -82,7 +82,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Draws a filled polygon by the even-odd rule.
-    pub fn fill_polygon(&mut self, corners: &[ImagePoint], color: Rgba8) {
+    pub(crate) fn fill_polygon(&mut self, corners: &[ImagePoint], color: Rgba8) {
         if corners.len() < 3 || !is_drawable(corners) {
             return;
         }
@@ -102,7 +102,7 @@ impl<'a> Canvas<'a> {
 
     /// Draws a line of text with a dark outline, `at` its upper left corner. Each cell of the 5x9 glyphs is `scale`
     /// pixels wide and high. Non-ASCII characters are shown as boxes.
-    pub fn text(&mut self, at: ImagePoint, text: &str, scale: u32, color: Rgba8) {
+    pub(crate) fn text(&mut self, at: ImagePoint, text: &str, scale: u32, color: Rgba8) {
         if !is_drawable(&[at]) || scale == 0 {
             return;
         }

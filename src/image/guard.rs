@@ -24,7 +24,7 @@ pub enum Existing {
 impl Existing {
     /// Whether finished frames are kept.
     #[must_use]
-    pub const fn is_resume(self) -> bool {
+    pub(crate) const fn is_resume(self) -> bool {
         matches!(self, Self::Resume | Self::Verify)
     }
 }

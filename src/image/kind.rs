@@ -66,7 +66,7 @@ impl PictureKind {
 
     /// Returns the format by file extension; `None` if it is not a picture.
     #[must_use]
-    pub fn of(path: &Path) -> Option<Self> {
+    pub(crate) fn of(path: &Path) -> Option<Self> {
         if let Some(FileKind::Picture(kind)) = FileKind::of(path) { Some(kind) } else { None }
     }
 

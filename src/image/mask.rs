@@ -9,11 +9,11 @@ use std::path::Path;
 
 /// Painted weights over the unit square.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PaintedMap {
+pub(crate) struct PaintedMap {
     /// Width and height in pixels; not 0.
-    pub size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// #pixels, rows from the top, 0 to 1.
-    pub values: Vec<f32>,
+    pub(crate) values: Vec<f32>,
 }
 
 impl PaintedMap {
@@ -22,7 +22,7 @@ impl PaintedMap {
     ///
     /// # Errors
     /// [`ImageError`] as [`read_any`], and if an EXR file has no such channel.
-    pub fn read(path: &Path, channel: usize) -> Result<Self, ImageError> {
+    pub(crate) fn read(path: &Path, channel: usize) -> Result<Self, ImageError> {
         const NAMES: [&str; 4] = ["R", "G", "B", "A"];
         let is_coded = PictureKind::known(path)? != PictureKind::Exr;
         let plate = read_any(path)?;
@@ -56,7 +56,7 @@ impl PaintedMap {
     /// Returns the bilinearly interpolated value at a position of the unit square, x right, y down from the upper left
     /// corner; repeats beyond it.
     #[must_use]
-    pub fn at(&self, [u, v]: [f32; 2]) -> f32 {
+    pub(crate) fn at(&self, [u, v]: [f32; 2]) -> f32 {
         if !(u.is_finite() && v.is_finite()) {
             return 0.0;
         }

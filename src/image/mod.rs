@@ -35,8 +35,8 @@ mod size;
 mod srgb;
 mod window;
 
-pub(crate) use atomic::remove_stale;
-pub use atomic::{Destination, Durability, replace_bytes, replace_text};
+pub use atomic::{Destination, Durability};
+pub(crate) use atomic::{remove_stale, replace_bytes, replace_text};
 pub use channels::{ChannelGroup, ChannelSpec};
 pub use codes::write_codes;
 pub use complete::is_complete;
@@ -52,7 +52,7 @@ pub(crate) use guard::{Inputs, is_there};
 pub(crate) use kept::read_whole;
 pub(crate) use kept::{Depth, Expected, StaleReason, check_kept};
 pub use kind::{FileKind, PictureKind};
-pub use mask::PaintedMap;
+pub(crate) use mask::PaintedMap;
 pub use metadata::{CameraMatrices, FrameMetadata};
 #[cfg(feature = "python")]
 pub(crate) use picture::{bytes_of_plate, plate_of_bytes};
@@ -60,9 +60,11 @@ pub use picture::{read_any, read_any_head, read_picture, write_any, write_pictur
 pub use plate::{Plate, PlatePart};
 pub use plate_read::read_plate;
 pub use plate_write::write_plate;
-pub use preview::{Preview, png_bytes, preview, write_frame_preview, write_png};
+pub(crate) use preview::write_frame_preview;
+pub use preview::{Preview, png_bytes, preview, write_png};
 pub use sequence::SequencePath;
-pub use size::{PictureExtent, picture_extent, picture_size};
+pub use size::picture_size;
+pub(crate) use size::{PictureExtent, picture_extent};
 
 use crate::space::PixelRect;
 

@@ -110,13 +110,13 @@ impl Plate {
 
     /// Returns the union of the display window and all data windows, relative to the corner of the display window.
     #[must_use]
-    pub fn reach(&self) -> PixelRect {
+    pub(crate) fn reach(&self) -> PixelRect {
         self.parts.iter().map(|part| self.window_of(part)).fold(self.frame_size().window(), PixelRect::union)
     }
 
     /// Whether pinwarp rendered the plate; false for warped frames of other programs, which keep their software attribute.
     #[must_use]
-    pub fn is_own_render(&self) -> bool {
+    pub(crate) fn is_own_render(&self) -> bool {
         let software = self.parts.first().and_then(|part| part.attributes.software_name.as_ref());
         software.is_some_and(|software| string(software).starts_with("pinwarp "))
     }
@@ -183,7 +183,7 @@ impl PlatePart {
 
     /// Returns the part's own view, or else the views that share it (`multiView`), starting with that of channels which name none.
     #[must_use]
-    pub fn views(&self) -> Vec<String> {
+    pub(crate) fn views(&self) -> Vec<String> {
         let shared = self.attributes.multi_view_names.iter().flatten().map(string);
         self.view.clone().map_or_else(|| shared.collect(), |view| vec![view])
     }

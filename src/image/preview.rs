@@ -103,7 +103,7 @@ pub fn write_png(path: &Path, picture: &Preview) -> Result<(), ImageError> {
 ///
 /// # Errors
 /// As [`write_png`].
-pub fn write_frame_preview<'a>(
+pub(crate) fn write_frame_preview<'a>(
     to: impl Into<Destination<'a>>,
     picture: &Preview,
     metadata: &FrameMetadata,

@@ -77,7 +77,7 @@ impl SequencePath {
 
     /// Whether each frame has its own file.
     #[must_use]
-    pub fn has_counter(&self) -> bool {
+    pub(crate) fn has_counter(&self) -> bool {
         self.name != Name::Single
     }
 
@@ -159,7 +159,7 @@ impl SequencePath {
     /// Returns the frame number of a file name; `None` if it does not match the pattern, or the path has no counter:
     /// `f.7.exr` is not frame 7 of `f.####.exr`.
     #[must_use]
-    pub fn frame_named(&self, name: &str) -> Option<i32> {
+    pub(crate) fn frame_named(&self, name: &str) -> Option<i32> {
         let Name::Counted { before, after, .. } = &self.name else { return None };
         let frame = name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?.parse().ok()?;
         self.path_of(frame).file_name().is_some_and(|own| own == name).then_some(frame)
@@ -169,7 +169,7 @@ impl SequencePath {
     ///
     /// # Errors
     /// [`ImageError::Pattern`] if there are several frames and no counter.
-    pub fn check_frame_count(&self, count: usize) -> Result<(), ImageError> {
+    pub(crate) fn check_frame_count(&self, count: usize) -> Result<(), ImageError> {
         if count <= 1 || self.has_counter() {
             return Ok(());
         }

@@ -35,18 +35,18 @@ pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
 
 /// The amount of data in a decoded picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PictureExtent {
+pub(crate) struct PictureExtent {
     /// Pixels of the data windows of all parts, or of the display window if that is larger.
-    pub pixels: u128,
+    pub(crate) pixels: u128,
     /// Samples of all channels.
-    pub samples: u128,
+    pub(crate) samples: u128,
 }
 
 /// Returns the amount of data in a decoded picture, to estimate memory. Reads only the header.
 ///
 /// # Errors
 /// As [`picture_size`].
-pub fn picture_extent(path: &Path) -> Result<PictureExtent, ImageError> {
+pub(crate) fn picture_extent(path: &Path) -> Result<PictureExtent, ImageError> {
     let size = picture_size(path)?;
     let shown = u128::from(size.width) * u128::from(size.height);
     if PictureKind::known(path)? != PictureKind::Exr {

@@ -33,7 +33,7 @@ impl Frame {
     }
 
     /// Copies a tile's samples into the channels of the same names. Pixels outside the data window and unknown channels are ignored.
-    pub fn paste(&mut self, tile: &Self) {
+    pub(crate) fn paste(&mut self, tile: &Self) {
         let rows = self.data_window.shared_rows(tile.data_window);
         for channel in &mut self.channels {
             let Some(source) = tile.channel(&channel.name) else { continue };

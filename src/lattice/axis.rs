@@ -6,10 +6,10 @@
 use super::basis::Basis;
 
 /// Maximum number of handles per axis.
-pub const MAX_HANDLES: usize = 64;
+pub(crate) const MAX_HANDLES: usize = 64;
 
 /// Maximum number of handles of a lattice: 64 x 64 in 2D, 16 x 16 x 16 in 3D. A solve factors a matrix of that size.
-pub const MAX_HANDLES_IN_ALL: usize = 4096;
+pub(crate) const MAX_HANDLES_IN_ALL: usize = 4096;
 
 /// C(n, i) for n < 64: exact up to 2^53, within an ulp or two beyond.
 static BINOMIALS: [[f64; MAX_HANDLES]; MAX_HANDLES] = binomials();

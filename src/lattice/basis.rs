@@ -22,7 +22,7 @@ pub enum Basis {
 
 /// The handles with a non-zero weight at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Support {
+pub(crate) enum Support {
     /// All handles of the lattice.
     Global,
     /// `width` neighbouring handles on each axis: a tensor product of polynomials of degree width − 1.
@@ -40,7 +40,7 @@ impl Basis {
 
     /// Returns the name for messages; files use the serde name.
     #[must_use]
-    pub const fn label(self) -> &'static str {
+    pub(crate) const fn label(self) -> &'static str {
         match self {
             Self::Bernstein => "Bernstein",
             Self::Bspline => "B-spline",
@@ -51,7 +51,7 @@ impl Basis {
 
     /// Returns the handles with a non-zero weight at a point.
     #[must_use]
-    pub const fn support(self) -> Support {
+    pub(crate) const fn support(self) -> Support {
         match self {
             Self::Bernstein => Support::Global,
             Self::Bspline => Support::Tensor { width: 4 },
@@ -62,7 +62,7 @@ impl Basis {
 
     /// Returns the number of handles outside the box at each end of an axis.
     #[must_use]
-    pub const fn margin(self) -> usize {
+    pub(crate) const fn margin(self) -> usize {
         match self {
             Self::Bspline => 1,
             Self::Bernstein | Self::Bilinear | Self::Barytri => 0,
@@ -71,13 +71,13 @@ impl Basis {
 
     /// Returns the minimum number of handles of an axis, which is that of one span.
     #[must_use]
-    pub const fn min_handles(self) -> usize {
+    pub(crate) const fn min_handles(self) -> usize {
         2 + 2 * self.margin()
     }
 
     /// Returns the number of spans of an axis with `count` handles; for Bernstein, the intervals of the control polygon.
     #[must_use]
-    pub const fn spans(self, count: usize) -> usize {
+    pub(crate) const fn spans(self, count: usize) -> usize {
         count - 1 - 2 * self.margin()
     }
 
@@ -89,19 +89,19 @@ impl Basis {
 
     /// Whether the lattice interpolates its handles linearly along the axes, so that its gradient jumps between cells.
     #[must_use]
-    pub fn is_piecewise_linear(self) -> bool {
+    pub(crate) fn is_piecewise_linear(self) -> bool {
         matches!(self.support(), Support::Tensor { width: 2 } | Support::Simplex)
     }
 
     /// Returns the number of rings of handles at the border of the grid that influence the border of the box.
     #[must_use]
-    pub const fn border_rings(self) -> usize {
+    pub(crate) const fn border_rings(self) -> usize {
         1 + 2 * self.margin()
     }
 
     /// Returns the number of handles with a non-zero weight at a point of a lattice with `dims` handles per axis.
     #[must_use]
-    pub fn handles_at_point<const D: usize>(self, dims: [usize; D]) -> usize {
+    pub(crate) fn handles_at_point<const D: usize>(self, dims: [usize; D]) -> usize {
         match self.support() {
             Support::Global => dims.iter().product(),
             Support::Tensor { width } => width.pow(D as u32),

@@ -76,7 +76,7 @@ impl<const D: usize> Grid<D> {
     /// Returns the lattice over this grid that best approximates a map of points. Piecewise linear bases interpolate
     /// the map at the handles; smooth ones fit it by least squares, axis by axis.
     #[must_use]
-    pub fn fitted(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Fitted<D> {
+    pub(crate) fn fitted(&self, map: impl Fn([f64; D]) -> [f64; D]) -> Fitted<D> {
         let lattice = if self.basis.is_piecewise_linear() {
             Lattice { grid: self.clone(), handles: self.rest_handles().into_iter().map(&map).collect() }
         } else {

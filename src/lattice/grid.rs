@@ -12,13 +12,13 @@ const USUAL: usize = 16;
 
 /// Weight and gradient of a handle at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandleWeight<const D: usize> {
+pub(crate) struct HandleWeight<const D: usize> {
     /// Index of the handle.
-    pub handle: usize,
+    pub(crate) handle: usize,
     /// Weight of the handle; all weights at a point sum to 1.
-    pub weight: f64,
+    pub(crate) weight: f64,
     /// Gradient of the weight, per unit of space.
-    pub gradient: [f64; D],
+    pub(crate) gradient: [f64; D],
 }
 
 /// A grid of handles over a rest box, in D dimensions. Handle index h = i + nx·(j + ny·k).
@@ -91,7 +91,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns column, row (and layer) of a cell, numbered x fastest.
     #[must_use]
-    pub fn cell_coords(&self, mut cell: usize) -> [usize; D] {
+    pub(crate) fn cell_coords(&self, mut cell: usize) -> [usize; D] {
         self.dims.map(|count| {
             let (spans, place) = (self.basis.spans(count), cell);
             cell /= spans;
@@ -119,7 +119,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the step of the handle index along an axis.
     #[must_use]
-    pub fn stride(&self, axis: usize) -> usize {
+    pub(crate) fn stride(&self, axis: usize) -> usize {
         self.dims[..axis].iter().product()
     }
 
@@ -151,7 +151,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the coordinates of a point in the box, 0 to 1 per axis; not clamped.
     #[must_use]
-    pub fn unit_from_point(&self, point: [f64; D]) -> [f64; D] {
+    pub(crate) fn unit_from_point(&self, point: [f64; D]) -> [f64; D] {
         std::array::from_fn(|axis| {
             let size = self.size(axis);
             if size > 0.0 { (point[axis] - self.lo[axis]) / size } else { 0.0 }
@@ -171,7 +171,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Calls `visit` for every handle with a weight at a point. Outside the box the polynomials are extended.
-    pub fn for_each_weight(&self, point: [f64; D], visit: impl FnMut(HandleWeight<D>)) {
+    pub(crate) fn for_each_weight(&self, point: [f64; D], visit: impl FnMut(HandleWeight<D>)) {
         match self.basis.support() {
             Support::Simplex => self.visit_simplex(point, visit),
             Support::Tensor { .. } => self.visit_tensor::<MAX_LOCAL>(point, visit),

@@ -19,7 +19,7 @@ impl BoxFrame {
 
     /// Creates a frame with these axes and origin; `None` if the axes are left-handed or not orthonormal within 1e-6.
     #[must_use]
-    pub fn new(axes: DMat3, origin: DVec3) -> Option<Self> {
+    pub(crate) fn new(axes: DMat3, origin: DVec3) -> Option<Self> {
         let is_rigid = (axes * axes.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-6) && axes.determinant() > 0.0;
         (is_rigid && origin.is_finite()).then_some(Self { axes, origin })
     }
@@ -27,7 +27,7 @@ impl BoxFrame {
     /// Returns the rigid part of a transform: axes orthonormalised in the order x, y, z (Gram-Schmidt); scale and
     /// reflection are dropped, and an axis of length zero is replaced by the scene's.
     #[must_use]
-    pub fn of(scene_from_node: DMat4) -> Self {
+    pub(crate) fn of(scene_from_node: DMat4) -> Self {
         let axis =
             |column: usize, fallback: DVec3| scene_from_node.col(column).truncate().try_normalize().unwrap_or(fallback);
         let x = axis(0, DVec3::X);
@@ -43,19 +43,19 @@ impl BoxFrame {
 
     /// Returns the origin of the frame in scene space.
     #[must_use]
-    pub const fn origin(&self) -> DVec3 {
+    pub(crate) const fn origin(&self) -> DVec3 {
         self.origin
     }
 
     /// Transforms a point of the box frame to scene space.
     #[must_use]
-    pub fn scene_from_box(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn scene_from_box(&self, point: DVec3) -> DVec3 {
         self.axes * point + self.origin
     }
 
     /// Transforms a scene point to the box frame.
     #[must_use]
-    pub fn box_from_scene(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn box_from_scene(&self, point: DVec3) -> DVec3 {
         self.axes.transpose() * (point - self.origin)
     }
 }
@@ -91,7 +91,7 @@ impl SceneLattice {
     /// Returns the image of a scene point, and the gradient there. Along an axis on which the point lies outside the
     /// box, the gradient is that of the identity.
     #[must_use]
-    pub fn warp_with_gradient(&self, point: DVec3) -> (DVec3, DMat3) {
+    pub(crate) fn warp_with_gradient(&self, point: DVec3) -> (DVec3, DMat3) {
         let at = self.frame.box_from_scene(point);
         let inside = DVec3::from(self.lattice.grid.clamp_to_box(at.to_array()));
         let carried = self.lattice.evaluate_with_gradient(inside.to_array());

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 /// The relation between the rest poses of the original and the new subject.
 #[derive(Clone, Debug, PartialEq)]
-pub enum LatticeFit {
+pub(crate) enum LatticeFit {
     /// Both have the same screen positions.
     AsIs,
     /// The lattice's box maps to this one.
@@ -59,7 +59,7 @@ impl Similarity {
 impl<const D: usize> Lattice<D> {
     /// Interpolates linearly: this lattice at 0, the other at 1; both must have the same dims and basis.
     #[must_use]
-    pub fn mixed(&self, other: &Self, share: f64) -> Self {
+    pub(crate) fn mixed(&self, other: &Self, share: f64) -> Self {
         debug_assert_eq!(self.handles.len(), other.handles.len(), "lattices of equal dims");
         let mix = |a: &[f64; D], b: &[f64; D]| std::array::from_fn(|d| a[d] * (1.0 - share) + b[d] * share);
         let handles = self.handles.iter().zip(&other.handles).map(|(a, b)| mix(a, b)).collect();
@@ -69,7 +69,7 @@ impl<const D: usize> Lattice<D> {
 
     /// Scales the deformation: 0 is the rest state, 1 the full deformation; larger values exaggerate it.
     #[must_use]
-    pub fn with_strength(&self, strength: f64) -> Self {
+    pub(crate) fn with_strength(&self, strength: f64) -> Self {
         self.grid.at_rest().mixed(self, strength)
     }
 }
@@ -80,7 +80,7 @@ impl Lattice<2> {
     ///
     /// With an empty list of landmarks the lattice is returned unchanged.
     #[must_use]
-    pub fn transferred(&self, fit: &LatticeFit) -> Fitted<2> {
+    pub(crate) fn transferred(&self, fit: &LatticeFit) -> Fitted<2> {
         match fit {
             LatticeFit::AsIs => Fitted { lattice: self.clone(), error: 0.0 },
             LatticeFit::Box(target) => Fitted { lattice: self.over(*target), error: 0.0 },
@@ -90,7 +90,7 @@ impl Lattice<2> {
 
     /// Returns the point of the old subject at rest that corresponds to a point of the new one.
     #[must_use]
-    pub fn origin_of(&self, point: [f64; 2], fit: &LatticeFit) -> [f64; 2] {
+    pub(crate) fn origin_of(&self, point: [f64; 2], fit: &LatticeFit) -> [f64; 2] {
         match fit {
             LatticeFit::AsIs => point,
             LatticeFit::Box(target) => {

@@ -11,7 +11,7 @@ static POOL: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
 
 /// Returns `count` planes of `length` samples each, with unspecified contents.
 #[must_use]
-pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
+pub(crate) fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
     let mut planes: Vec<Vec<f32>> = {
         let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
         let fit = |plane: &mut Vec<f32>| (length..=2 * length).contains(&plane.capacity());
@@ -28,7 +28,7 @@ pub fn take_planes(count: usize, length: usize) -> Vec<Vec<f32>> {
 }
 
 /// Returns planes to the pool of [`take_planes`]; if there are too many, the oldest are freed.
-pub fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
+pub(crate) fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
     let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     pool.extend(planes.into_iter().filter(|plane| plane.capacity() > 0));
     let mut total: usize = pool.iter().map(Vec::capacity).sum();

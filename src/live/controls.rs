@@ -111,7 +111,7 @@ impl Default for Controls {
 impl Controls {
     /// Whether nothing moves, as far as is known without a solve; ignores a shot's own pins.
     #[must_use]
-    pub fn is_at_rest(&self) -> bool {
+    pub(crate) fn is_at_rest(&self) -> bool {
         let moves = |pin: &Pin| {
             let turns = pin.rotation.is_some_and(|angle| angle != 0.0);
             pin.rest != pin.target || turns || pin.scale.is_some_and(|scale| scale != 1.0)

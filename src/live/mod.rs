@@ -19,6 +19,7 @@ mod map_tiles;
 mod mix;
 mod notices;
 mod outputs;
+#[cfg(feature = "ofx")]
 mod owned;
 mod picker;
 mod picture;
@@ -31,6 +32,7 @@ mod render_job;
 mod shape_source;
 mod solve;
 mod stmap;
+#[cfg(feature = "ofx")]
 mod viewer;
 mod warp;
 mod write;
@@ -38,20 +40,21 @@ mod write;
 pub use crate::lattice::Basis;
 pub use crate::solve::Guard;
 /// Asked on the calling thread whether to cancel; `true`: cancel.
-pub type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
+pub(crate) type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// Never cancels.
 const NEVER: &Stop<'static> = &|| false;
 
 pub use alpha_region::destination_of_any_alpha;
-pub use buffer_pool::{recycle_planes, take_planes};
+pub(crate) use buffer_pool::{recycle_planes, take_planes};
 pub use controls::{Controls, Moved, Pin, PinRegion};
 pub use error::LiveError;
 pub use host_frame::HostFrame;
 pub use mix::Mix;
 pub use notices::{Notice, Wording};
 pub use outputs::OutputGuard;
-pub use owned::OwnedPicture;
+#[cfg(feature = "ofx")]
+pub(crate) use owned::OwnedPicture;
 pub use picker::{PenResult, Picker, SelectMode};
 pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
@@ -59,8 +62,11 @@ pub use render::{Piece, render, render_mean, render_pieces};
 pub use render_job::Render;
 pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};
 pub use solve::{last_of_alpha, warp, warp_until};
-pub use stmap::{StMap, StMapFile, check_stmap_path, save_stmap, stmap};
-pub use viewer::{LatticeStyle, PinMark, Stroke, Viewer};
+#[cfg(feature = "ofx")]
+pub(crate) use stmap::check_stmap_path;
+pub use stmap::{StMap, StMapFile, save_stmap, stmap};
+#[cfg(feature = "ofx")]
+pub(crate) use viewer::{LatticeStyle, Viewer};
 pub use warp::{GridLine, PinPlace, Warning, Warp};
 pub use write::{NewShot, Subject, WriteShot, write_shot};
 

@@ -20,7 +20,7 @@ impl OutputGuard {
     ///
     /// # Errors
     /// [`LiveError`] if a shot cannot be loaded.
-    pub fn of(shape: &ShapeSource, frame: FrameSize) -> Result<Self, LiveError> {
+    pub(crate) fn of(shape: &ShapeSource, frame: FrameSize) -> Result<Self, LiveError> {
         let ShapeSource::Shot(_) = shape else { return Ok(Self::default()) };
         let base = solve::base(shape, frame)?;
         let inputs = base.prepared.as_ref().map(input_files).transpose()?;
@@ -31,7 +31,7 @@ impl OutputGuard {
     ///
     /// # Errors
     /// [`ImageError::Refused`].
-    pub fn check(&self, path: &Path) -> Result<(), ImageError> {
+    pub(crate) fn check(&self, path: &Path) -> Result<(), ImageError> {
         self.inputs.refuse(path).map_err(|error| match error {
             ImageError::Refused { path, what, .. } => {
                 ImageError::Refused { path, what, hint: "name another file".to_owned() }

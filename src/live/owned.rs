@@ -7,25 +7,25 @@ use crate::space::PixelRect;
 
 /// A picture that owns its planes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OwnedPicture {
+pub(crate) struct OwnedPicture {
     /// Window of its samples, in image space.
-    pub window: PixelRect,
+    pub(crate) window: PixelRect,
     /// 4: RGBA, 3: RGB, 1: alpha; each `window.area()` samples, rows from the top.
-    pub planes: Vec<Vec<f32>>,
+    pub(crate) planes: Vec<Vec<f32>>,
     /// Meaning of the last plane.
-    pub alpha: Alpha,
+    pub(crate) alpha: Alpha,
 }
 
 impl OwnedPicture {
     /// Returns a mask without pixels, which selects nothing.
     #[must_use]
-    pub fn black_mask() -> Self {
+    pub(crate) fn black_mask() -> Self {
         Self { window: PixelRect::default(), planes: vec![Vec::new()], alpha: Alpha::Premultiplied }
     }
 
     /// Converts to a number of channels: 4 for RGBA, 3 for RGB, 1 for alpha. Pictures without alpha are opaque.
     #[must_use]
-    pub fn with_channels(mut self, channels: usize) -> Self {
+    pub(crate) fn with_channels(mut self, channels: usize) -> Self {
         let area = self.window.area();
         match (self.planes.len(), channels) {
             (4, 3) => self.planes.truncate(3),
@@ -42,13 +42,13 @@ impl OwnedPicture {
 
     /// Borrows it as a picture.
     #[must_use]
-    pub fn picture(&self) -> Picture<'_> {
+    pub(crate) fn picture(&self) -> Picture<'_> {
         Picture { window: self.window, planes: self.planes.iter().map(Vec::as_slice).collect(), alpha: self.alpha }
     }
 
     /// Borrows its alpha; `None` if it has none.
     #[must_use]
-    pub fn coverage(&self) -> Option<Coverage<'_>> {
+    pub(crate) fn coverage(&self) -> Option<Coverage<'_>> {
         let alpha = self.planes.last().filter(|_| self.alpha != Alpha::Opaque)?;
         Some(Coverage { window: self.window, alpha })
     }

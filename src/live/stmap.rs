@@ -67,7 +67,7 @@ pub struct StMapFile<'a> {
 ///
 /// # Errors
 /// [`ImageError::Frame`] if another file exists there; [`ImageError::Refused`] as [`OutputGuard::check`].
-pub fn check_stmap_path(path: &Path, guard: &OutputGuard) -> Result<(), ImageError> {
+pub(crate) fn check_stmap_path(path: &Path, guard: &OutputGuard) -> Result<(), ImageError> {
     // Checked first, since opening a pipe would block forever.
     guard.check(path)?;
     if !path.exists() || read_any_head(path).is_ok_and(|head| is_own_stmap(&head)) {
@@ -88,7 +88,7 @@ fn is_own_stmap(head: &Plate) -> bool {
 /// Writes the STMap of a whole frame as a 32-bit EXR; overwrites only another such map.
 ///
 /// # Errors
-/// [`ImageError`] as [`check_stmap_path`], and if the file cannot be written.
+/// [`ImageError`] as `check_stmap_path`, and if the file cannot be written.
 pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
     check_stmap_path(file.path, guard)?;
     let map = warp.map_of_parts((size, size.window()));

@@ -20,18 +20,18 @@ const CHOSEN: [f32; 4] = [0.3, 1.0, 0.4, 1.0];
 
 /// A polyline of the overlay.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// Points, in units of the host frame.
-    pub points: Vec<[f64; 2]>,
+    pub(crate) points: Vec<[f64; 2]>,
     /// Red, green, blue, opacity.
-    pub colour: [f32; 4],
+    pub(crate) colour: [f32; 4],
     /// Line width, in screen pixels.
-    pub width: f32,
+    pub(crate) width: f32,
 }
 
 /// How the lattice is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LatticeStyle {
+pub(crate) enum LatticeStyle {
     /// In a single colour.
     Plain,
     /// Coloured by stretch.
@@ -42,29 +42,29 @@ pub enum LatticeStyle {
 
 /// A pin as displayed; with a shot, at the position of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinMark {
+pub(crate) struct PinMark {
     /// Number of the pin, in the viewer's numbering.
-    pub pin: usize,
+    pub(crate) pin: usize,
     /// Position before the warp, in units of the host frame.
-    pub rest: [f64; 2],
+    pub(crate) rest: [f64; 2],
     /// Target position.
-    pub target: [f64; 2],
+    pub(crate) target: [f64; 2],
 }
 
 /// A viewer that shows the picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Viewer {
+pub(crate) struct Viewer {
     /// The displayed picture.
-    pub host_frame: HostFrame,
+    pub(crate) host_frame: HostFrame,
     /// Width and height of a screen pixel, in units of the host frame.
-    pub pixel: [f64; 2],
+    pub(crate) pixel: [f64; 2],
 }
 
 impl Viewer {
     /// Returns the pins of `controls` with their `numbers`, at their displayed positions. `warp`: the warp of these
     /// controls, if available.
     #[must_use]
-    pub fn marks(&self, controls: &Controls, numbers: &[usize], warp: Option<&Warp>) -> Vec<PinMark> {
+    pub(crate) fn marks(&self, controls: &Controls, numbers: &[usize], warp: Option<&Warp>) -> Vec<PinMark> {
         let ends = |index: usize| match warp.and_then(|warp| warp.pins.get(index)) {
             Some(pin) => [pin.rest, pin.target],
             None => [controls.pins[index].rest, controls.pins[index].target],
@@ -78,7 +78,7 @@ impl Viewer {
 
     /// Returns the warped lattice, and the outlines of folded cells.
     #[must_use]
-    pub fn lattice(&self, warp: Option<&Warp>, style: LatticeStyle) -> Vec<Stroke> {
+    pub(crate) fn lattice(&self, warp: Option<&Warp>, style: LatticeStyle) -> Vec<Stroke> {
         let Some(warp) = warp.filter(|_| style != LatticeStyle::Hidden) else { return Vec::new() };
         let lines = warp.grid_lines(PIECES);
         let mut strokes: Vec<Stroke> = match style {
@@ -92,7 +92,7 @@ impl Viewer {
 
     /// Returns pins as crosses, targets as squares, and the selection box.
     #[must_use]
-    pub fn pins(&self, marks: &[PinMark], picker: &Picker) -> Vec<Stroke> {
+    pub(crate) fn pins(&self, marks: &[PinMark], picker: &Picker) -> Vec<Stroke> {
         let colour = |mark: &PinMark| if picker.is_selected(mark.pin) { CHOSEN } else { TARGET };
         let pins = marks.iter().flat_map(|mark| self.strokes_of(mark, colour(mark)));
         pins.chain(picker.corners().map(|corners| outline(corners, CHOSEN, 1.0))).collect()

@@ -9,13 +9,13 @@ use crate::image::{Channel, Plate, PlatePart};
 
 /// A layer of colour channels.
 #[derive(Clone, Debug)]
-pub struct ColorLayer<'a> {
+pub(crate) struct ColorLayer<'a> {
     /// The part that stores the layer.
-    pub part: &'a PlatePart,
+    pub(crate) part: &'a PlatePart,
     /// Name without the view: `hair` for `hair.left.R`; empty if the channels belong to no layer.
-    pub name: String,
+    pub(crate) name: String,
     /// Red, green, blue and alpha, where present; a luminance channel stands for all three colours. Each: #pixels of the part.
-    pub channels: [Option<&'a Channel>; 4],
+    pub(crate) channels: [Option<&'a Channel>; 4],
 }
 
 /// How a layer relates to the picture.
@@ -45,7 +45,10 @@ struct Layer<'c> {
 ///
 /// The second result lists what is left out and why: `albedo (a pass of the picture; ...)`.
 #[must_use]
-pub fn color_layers<'a>(plate: &'a Plate, patterns: &[(String, Semantic)]) -> (Vec<ColorLayer<'a>>, Vec<String>) {
+pub(crate) fn color_layers<'a>(
+    plate: &'a Plate,
+    patterns: &[(String, Semantic)],
+) -> (Vec<ColorLayer<'a>>, Vec<String>) {
     let table = ChannelTable::of(plate, patterns);
     let layers = Layer::all_of(&table);
     let view = layers.iter().find(|layer| layer.role() != Role::Data).and_then(Layer::view);

@@ -18,7 +18,7 @@ pub struct Coverage {
 impl Coverage {
     /// Returns the coverage of a pixel in a picture of `size` that shows the same frame; 0 outside the window.
     #[must_use]
-    pub fn at(&self, pixel: [i32; 2], size: FrameSize) -> f32 {
+    pub(crate) fn at(&self, pixel: [i32; 2], size: FrameSize) -> f32 {
         let scale = [
             f64::from(self.frame.width) / f64::from(size.width),
             f64::from(self.frame.height) / f64::from(size.height),
@@ -38,7 +38,7 @@ impl Coverage {
     /// Resamples the coverage over a window of a picture of the given size, #pixels. Pixels outside the frame take the
     /// value of the nearest pixel inside.
     #[must_use]
-    pub fn over(&self, window: PixelRect, size: FrameSize) -> Vec<f32> {
+    pub(crate) fn over(&self, window: PixelRect, size: FrameSize) -> Vec<f32> {
         let last = [size.width, size.height].map(|side| i32::try_from(side).unwrap_or(i32::MAX) - 1);
         let inside = |pixel: [i32; 2]| [0, 1].map(|axis| pixel[axis].clamp(0, last[axis].max(0)));
         (0..window.area()).map(|index| self.at(inside(window.pixel_at(index)), size)).collect()

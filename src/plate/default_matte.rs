@@ -14,7 +14,7 @@ use crate::image::cryptomatte::{Manifest, MatteHeader};
 /// Object Cryptomattes are preferred, then assets, then others; materials do not distinguish layers. `names`: the
 /// object names of each layer. Returns `None` if no such Cryptomatte exists.
 #[must_use]
-pub fn mattes_of_names(plate: &Plate, names: &[Vec<String>], settings: &WarpSettings) -> Option<Vec<Matte>> {
+pub(crate) fn mattes_of_names(plate: &Plate, names: &[Vec<String>], settings: &WarpSettings) -> Option<Vec<Matte>> {
     let table = ChannelTable::of(plate, &settings.semantics);
     let there = table.matte_layers(table.entries.iter());
     let is_there = |header: &&MatteHeader| there.iter().any(|layer| layer.name == header.name);
@@ -42,7 +42,7 @@ fn knows(manifest: &Manifest, name: &str) -> bool {
 ///
 /// # Errors
 /// [`PlateError`] if the plate lacks what the matte refers to.
-pub fn coverage_of(plate: &Plate, matte: &Matte, settings: &WarpSettings) -> Result<Coverage, PlateError> {
+pub(crate) fn coverage_of(plate: &Plate, matte: &Matte, settings: &WarpSettings) -> Result<Coverage, PlateError> {
     let frame = plate.frame_size();
     let window = plate.parts.first().map_or(frame.window(), |part| plate.window_of(part));
     let table = ChannelTable::of(plate, &settings.semantics);

@@ -104,7 +104,7 @@ impl Field {
 
     /// Returns the warp of a whole picture with a fixed border: nothing folds, and pins reach their targets.
     #[must_use]
-    pub fn of_whole(whole: &WholeWarp) -> Self {
+    pub(crate) fn of_whole(whole: &WholeWarp) -> Self {
         Self { parts: vec![Part::Lattice(whole.extrapolated()), Part::Flow(Arc::clone(whole.flow()))] }
     }
 
@@ -116,7 +116,7 @@ impl Field {
 
     /// Whether the warp is the identity everywhere.
     #[must_use]
-    pub fn is_identity(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         self.parts.iter().all(Part::is_at_rest)
     }
 
@@ -147,7 +147,7 @@ impl Field {
 
     /// Upper bound of the displacement, in frame heights.
     #[must_use]
-    pub fn max_displacement(&self) -> f64 {
+    pub(crate) fn max_displacement(&self) -> f64 {
         self.parts.iter().map(Part::max_displacement).sum()
     }
 

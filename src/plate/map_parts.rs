@@ -8,7 +8,7 @@ use crate::space::{FrameSize, PixelRect};
 use std::collections::BTreeSet;
 
 /// Parts that divide a picture among them, from back to front, each with its field and its share of every pixel; and the coverage of all.
-pub type SharedParts = (Vec<(Field, Coverage)>, Coverage);
+pub(crate) type SharedParts = (Vec<(Field, Coverage)>, Coverage);
 
 impl WarpMap {
     /// Returns the source of every pixel of the warped picture. A part moves the pixels of which it covers at least
@@ -43,7 +43,7 @@ impl WarpMap {
     /// Each part moves the pixels of which it has at least half. Pixels that are `covered` by half or more hide what
     /// lies behind them; the others, which may be transparent, show only where nothing else does.
     #[must_use]
-    pub fn backward_of_shares(
+    pub(crate) fn backward_of_shares(
         parts: &[(Field, Coverage)],
         covered: &Coverage,
         (frame, window): (FrameSize, PixelRect),

@@ -49,21 +49,22 @@ mod warp_map;
 mod warper;
 mod whole;
 
-pub use color_layers::{ColorLayer, color_layers};
+pub(crate) use color_layers::{ColorLayer, color_layers};
 pub use coverage::Coverage;
-pub use default_matte::{coverage_of, mattes_of_names};
+pub(crate) use default_matte::{coverage_of, mattes_of_names};
 pub(crate) use disjoint_over::{over, transmittance};
 pub use field::Field;
-pub(crate) use filter::{Extent, lanczos_table};
-pub use filter::{NotFinite, Planes, footprint_taps, resample_into, resample_part, resampled};
+pub(crate) use filter::{Extent, lanczos_table, resample_part};
+pub use filter::{Planes, footprint_taps, resample_into, resampled};
 pub use job::{LayerJob, PlateJob};
-pub use map_parts::SharedParts;
+pub(crate) use map_parts::SharedParts;
 pub use report::{ChannelReport, PlateError, PlateReport, SemanticReason};
 pub use resampler::Resampler;
 pub use settings::{Filter, Holes, Matte, MotionEncoding, MotionUnit, NormalMode, Semantic, WarpSettings};
-pub use stmap::{check_stmap, map_of_stmap, stmap_of};
+pub(crate) use stmap::check_stmap;
+pub use stmap::{map_of_stmap, stmap_of};
 pub use warp_map::WarpMap;
-pub use warper::{
-    Warper, channel_semantics, check_plate, has_cryptomattes, has_motion, remap_plate, undo_plate, warp_plate,
-};
-pub use whole::{WholePin, WholeWarp};
+pub use warper::{Warper, channel_semantics, remap_plate, undo_plate, warp_plate};
+pub(crate) use warper::{check_plate, has_cryptomattes, has_motion};
+pub(crate) use whole::WholePin;
+pub use whole::WholeWarp;

@@ -30,7 +30,7 @@ pub struct WarpSettings {
 impl WarpSettings {
     /// Returns the settings for plates of the given size, with motion in pixels.
     #[must_use]
-    pub fn in_pixels(&self, size: FrameSize) -> Self {
+    pub(crate) fn in_pixels(&self, size: FrameSize) -> Self {
         let sides = match self.motion_scale {
             MotionUnit::Pixels => [1.0; 2],
             MotionUnit::Frame => [size.width, size.height].map(f64::from),
@@ -82,7 +82,7 @@ pub enum MotionUnit {
     /// Pixels of the plate.
     #[default]
     Pixels,
-    /// Widths and heights of the plate's frame; see [`WarpSettings::in_pixels`].
+    /// Widths and heights of the plate's frame; see `WarpSettings::in_pixels`.
     Frame,
 }
 
@@ -145,7 +145,7 @@ pub enum Matte {
 impl Matte {
     /// Whether the matte takes the whole picture, so that nothing stays behind.
     #[must_use]
-    pub fn is_all(&self) -> bool {
+    pub(crate) fn is_all(&self) -> bool {
         match self {
             Self::Alpha => true,
             Self::Part { of, .. } => of.is_all(),
@@ -155,7 +155,7 @@ impl Matte {
 
     /// Whether both mattes select the same pixels of any plate, regardless of the order of ids or names.
     #[must_use]
-    pub fn is_same(&self, other: &Self) -> bool {
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Id { channel, values }, Self::Id { channel: other, values: others }) => {
                 channel == other && sorted(values) == sorted(others)

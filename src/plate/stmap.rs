@@ -112,7 +112,7 @@ fn found_in(stmap: &Plate) -> Result<Found<'_>, PlateError> {
 ///
 /// # Errors
 /// [`PlateError::NoStMap`], [`PlateError::StMapOfIntegers`], [`PlateError::WrongMap`].
-pub fn check_stmap(stmap: &Plate, plate: &Plate) -> Result<(), PlateError> {
+pub(crate) fn check_stmap(stmap: &Plate, plate: &Plate) -> Result<(), PlateError> {
     found_in(stmap)?;
     let [map, plate] = [stmap, plate].map(|picture| [picture.display.width, picture.display.height]);
     if map == plate { Ok(()) } else { Err(PlateError::WrongMap { map, plate }) }

@@ -22,13 +22,13 @@ use std::sync::Arc;
 
 /// Whether a plate holds motion vectors, for which the fields of the neighbouring frames are needed.
 #[must_use]
-pub fn has_motion(plate: &Plate, settings: &WarpSettings) -> bool {
+pub(crate) fn has_motion(plate: &Plate, settings: &WarpSettings) -> bool {
     has_any(plate, settings, &[Semantic::Forward, Semantic::Backward])
 }
 
 /// Whether a plate holds Cryptomattes, which a fill plate must then provide too.
 #[must_use]
-pub fn has_cryptomattes(plate: &Plate, settings: &WarpSettings) -> bool {
+pub(crate) fn has_cryptomattes(plate: &Plate, settings: &WarpSettings) -> bool {
     has_any(plate, settings, &[Semantic::Cryptomatte])
 }
 
@@ -42,7 +42,7 @@ fn has_any(plate: &Plate, settings: &WarpSettings, semantics: &[Semantic]) -> bo
 ///
 /// # Errors
 /// [`PlateError`] in the cases in which [`warp_plate`] returns it.
-pub fn check_plate(
+pub(crate) fn check_plate(
     head: &Plate,
     mattes: &[(&str, &Matte)],
     settings: &WarpSettings,
@@ -83,7 +83,7 @@ impl Warper {
     }
 
     /// Recycles a plate: the next result reuses its memory.
-    pub fn recycle(&self, plate: Plate) {
+    pub(crate) fn recycle(&self, plate: Plate) {
         self.context.recycle(plate);
     }
 

@@ -37,17 +37,17 @@ const BORDER_LOOKS: usize = 2048;
 
 /// A pin of a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WholePin {
+pub(crate) struct WholePin {
     /// Position before the warp.
-    pub rest: ScreenPoint,
+    pub(crate) rest: ScreenPoint,
     /// Target position.
-    pub target: ScreenPoint,
+    pub(crate) target: ScreenPoint,
     /// Fraction of the path that the pin moves, 0 to 1.
-    pub weight: f64,
+    pub(crate) weight: f64,
     /// Prescribed rotation, in radians.
-    pub rotation: Option<f64>,
+    pub(crate) rotation: Option<f64>,
     /// Logarithm of the prescribed scale.
-    pub log_scale: Option<f64>,
+    pub(crate) log_scale: Option<f64>,
 }
 
 /// The warp of a whole picture. Its border is fixed except where pins are dragged past it.
@@ -66,7 +66,7 @@ pub struct WholeWarp {
 impl WholeWarp {
     /// Uses the lattice as far as it keeps the picture one-to-one, and moves the pins the rest of the way by a flow.
     #[must_use]
-    pub fn fit(lattice: &ScreenLattice, pins: &[WholePin]) -> Self {
+    pub(crate) fn fit(lattice: &ScreenLattice, pins: &[WholePin]) -> Self {
         let grid = &lattice.grid;
         let bounds = ScreenBox::new(ScreenPoint(grid.lo.into()), ScreenPoint(grid.hi.into()));
         let ramp = Ramp::new(bounds, widths(bounds, pins));

@@ -86,16 +86,16 @@ pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
 
 /// The nodes of a scene at one time, relative to their parents.
 #[derive(Clone, Debug, Default)]
-pub struct LocalPose {
+pub(crate) struct LocalPose {
     /// #nodes: parent_from_node.
-    pub parent_from_node: Vec<DMat4>,
+    pub(crate) parent_from_node: Vec<DMat4>,
     /// #nodes: morph weights.
-    pub weights: Vec<Vec<f64>>,
+    pub(crate) weights: Vec<Vec<f64>>,
 }
 
 /// Returns the node transforms at `seconds` of the chosen clip, without meshes; time as in [`pose`].
 #[must_use]
-pub fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose {
+pub(crate) fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose {
     let clip = choice.clip.and_then(|index| scene.clips.get(index));
     let moved = sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)));
     LocalPose { parent_from_node: moved.parent_from_node, weights: moved.weights }

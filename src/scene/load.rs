@@ -52,7 +52,7 @@ pub fn load_with(path: &Path, access: FileAccess) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// [`SceneError`] if the file itself cannot be read.
-pub fn files_beside(path: &Path) -> Result<Vec<PathBuf>, SceneError> {
+pub(crate) fn files_beside(path: &Path) -> Result<Vec<PathBuf>, SceneError> {
     let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;
     Ok(File::unresolved((path, FileAccess::default()), parsed.root).beside())

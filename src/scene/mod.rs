@@ -34,10 +34,11 @@ pub use access::FileAccess;
 pub use card::frame_card;
 pub use error::SceneError;
 pub use find::FindError;
-pub use load::{files_beside, load, load_with};
+pub(crate) use load::files_beside;
+pub use load::{load, load_with};
 pub use material::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
 pub use pack::{Packed, pack};
-pub use pictures::{Picture, picture_cards};
+pub(crate) use pictures::{Picture, picture_cards};
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
@@ -171,7 +172,7 @@ impl Primitive {
     }
 
     /// Returns the end points of the segments of all lines.
-    pub fn segments(&self) -> impl Iterator<Item = [u32; 2]> {
+    pub(crate) fn segments(&self) -> impl Iterator<Item = [u32; 2]> {
         self.lines.iter().flat_map(|line| line.windows(2).map(|ends| [ends[0], ends[1]]))
     }
 }

@@ -10,15 +10,15 @@ use std::path::PathBuf;
 
 /// A picture's coverage.
 #[derive(Clone, Debug)]
-pub struct Picture<'a> {
+pub(crate) struct Picture<'a> {
     /// The file, for messages.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Name of its node.
-    pub name: String,
+    pub(crate) name: String,
     /// The stored pixels, in image space; may lie partly outside the frame.
-    pub window: PixelRect,
+    pub(crate) window: PixelRect,
     /// Alpha, #pixels of the window, rows from the top; `None`: opaque.
-    pub alpha: Option<&'a [f32]>,
+    pub(crate) alpha: Option<&'a [f32]>,
 }
 
 /// Returns the scene of pictures of one size, from back to front; each is a node with a mesh of some hundred vertices.
@@ -27,7 +27,7 @@ pub struct Picture<'a> {
 ///
 /// # Errors
 /// [`SceneError::Empty`] if a picture is completely transparent.
-pub fn picture_cards(frame: FrameSize, pictures: &[Picture<'_>]) -> Result<Scene, SceneError> {
+pub(crate) fn picture_cards(frame: FrameSize, pictures: &[Picture<'_>]) -> Result<Scene, SceneError> {
     let cards = pictures.iter().map(|picture| Ok((picture.name.clone(), shape(frame, picture)?)));
     Ok(flat_scene(frame.aspect(), cards.collect::<Result<_, SceneError>>()?))
 }

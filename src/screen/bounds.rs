@@ -15,7 +15,7 @@ const REACH: f64 = 1.5;
 
 /// Returns the maximum extent of lattices: the frame scaled by 1.5.
 #[must_use]
-pub fn reach_of_frame(frame: FrameSize) -> ScreenBox {
+pub(crate) fn reach_of_frame(frame: FrameSize) -> ScreenBox {
     let size = DVec2::new(frame.aspect(), 1.0);
     let margin = size * ((REACH - 1.0) * 0.5);
     ScreenBox::new(ScreenPoint(-margin), ScreenPoint(size + margin))
@@ -23,22 +23,22 @@ pub fn reach_of_frame(frame: FrameSize) -> ScreenBox {
 
 /// The part of a scene that [`bounds`] considers.
 #[derive(Clone, Copy)]
-pub struct Extent<'a> {
+pub(crate) struct Extent<'a> {
     /// Indices into the pose's parts.
-    pub parts: &'a [usize],
+    pub(crate) parts: &'a [usize],
     /// Returns whether a triangle counts, given its part and corners.
-    pub counts: &'a (dyn Fn(usize, &[u32; 3]) -> bool + Sync),
+    pub(crate) counts: &'a (dyn Fn(usize, &[u32; 3]) -> bool + Sync),
     /// Distance of the near plane in metres; nearer geometry is ignored.
-    pub near: f64,
+    pub(crate) near: f64,
     /// The box that bounds are clipped to.
-    pub reach: ScreenBox,
+    pub(crate) reach: ScreenBox,
 }
 
 /// Returns the bounds of the selected parts, clipped at the near plane and to the reach.
 ///
 /// `None` if nothing is within reach.
 #[must_use]
-pub fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> Option<ScreenBox> {
+pub(crate) fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> Option<ScreenBox> {
     let Extent { parts, counts, near, reach } = extent;
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;

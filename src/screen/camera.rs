@@ -46,7 +46,7 @@ impl Projected {
 
     /// Interpolates linearly in scene space, by a fraction `t` of the way to `other`. Symmetric for t = 0.5.
     #[must_use]
-    pub fn lerp(self, other: Self, t: f64) -> Self {
+    pub(crate) fn lerp(self, other: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a * (1.0 - t) + b * t;
         Self { h: self.h * (1.0 - t) + other.h * t, w: mix(self.w, other.w), depth: mix(self.depth, other.depth) }
     }
@@ -76,7 +76,7 @@ impl Camera {
 
     /// Creates a camera at a placement. `near`: distance of the near plane in metres, > 0 for a perspective lens.
     #[must_use]
-    pub fn placed(placement: &CameraPlacement, lens: Lens, near: f64, frame: FrameSize) -> Self {
+    pub(crate) fn placed(placement: &CameraPlacement, lens: Lens, near: f64, frame: FrameSize) -> Self {
         Self { view_from_scene: placement.scene_from_view.inverse(), lens, near, aspect: frame.aspect() }
     }
 
@@ -128,7 +128,7 @@ impl Camera {
 
     /// Returns whether the lens is orthographic.
     #[must_use]
-    pub const fn is_parallel(&self) -> bool {
+    pub(crate) const fn is_parallel(&self) -> bool {
         matches!(self.lens, Lens::Orthographic { .. })
     }
 
@@ -146,13 +146,13 @@ impl Camera {
 
     /// Returns scene_from_view: the camera's axes and position.
     #[must_use]
-    pub fn scene_from_view(&self) -> DMat4 {
+    pub(crate) fn scene_from_view(&self) -> DMat4 {
         self.view_from_scene.inverse()
     }
 
     /// Returns the matrix that EXR calls worldToCamera (column vectors; the camera looks along −z, y up).
     #[must_use]
-    pub const fn view_from_scene(&self) -> DMat4 {
+    pub(crate) const fn view_from_scene(&self) -> DMat4 {
         self.view_from_scene
     }
 
@@ -160,7 +160,7 @@ impl Camera {
     /// perspective lens, z/w is 0 at the near plane and tends to 1; for an orthographic one it is the distance behind
     /// the near plane.
     #[must_use]
-    pub fn screen_from_scene(&self) -> DMat4 {
+    pub(crate) fn screen_from_scene(&self) -> DMat4 {
         let (zoom, half, near) = (0.5 * self.zoom(), DVec2::new(self.aspect * 0.5, 0.5), self.near);
         let rows = match self.lens {
             Lens::Perspective { .. } => [
@@ -208,7 +208,7 @@ impl CameraPlacement {
     /// Places a camera at `position`, looking at `target`; the scene's y is up in the frame. Roll in degrees, as in
     /// [`Self::orbit`].
     #[must_use]
-    pub fn towards(position: DVec3, target: DVec3, roll: f64) -> Self {
+    pub(crate) fn towards(position: DVec3, target: DVec3, roll: f64) -> Self {
         let back = (position - target).try_normalize().unwrap_or(DVec3::Z);
         let yaw = back.x.atan2(back.z).to_degrees();
         let pitch = back.y.clamp(-1.0, 1.0).asin().to_degrees();
@@ -225,7 +225,7 @@ impl CameraPlacement {
 /// Returns the smallest distance in metres at which an orbiting camera shows all of `points` with a small margin.
 /// `at_one`: the camera at a distance of 1.
 #[must_use]
-pub fn fit_distance(points: &[DVec3], at_one: &CameraPlacement, (lens, frame): (Lens, FrameSize)) -> f64 {
+pub(crate) fn fit_distance(points: &[DVec3], at_one: &CameraPlacement, (lens, frame): (Lens, FrameSize)) -> f64 {
     let view_from_scene = at_one.scene_from_view.inverse();
     let in_view = || points.iter().map(|&point| view_from_scene.transform_point3(point) + DVec3::Z);
     let distance = match lens {
@@ -243,7 +243,7 @@ pub fn fit_distance(points: &[DVec3], at_one: &CameraPlacement, (lens, frame): (
 
 /// Returns a camera that shows all of `poses`, for scenes without one; `None` if nothing is visible.
 #[must_use]
-pub fn automatic(poses: &[Pose], frame: FrameSize) -> Option<Camera> {
+pub(crate) fn automatic(poses: &[Pose], frame: FrameSize) -> Option<Camera> {
     let points =
         || poses.iter().flat_map(|pose| &pose.parts).flat_map(|part| &part.positions).map(|point| point.0.as_dvec3());
     let low = points().reduce(DVec3::min)?;

@@ -6,19 +6,19 @@ use super::camera::Projected;
 
 /// A corner of a clipped triangle: a point on the edge from corner `from` to corner `to` of the original triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
+pub(crate) struct Corner {
     /// 0, 1 or 2.
-    pub from: usize,
+    pub(crate) from: usize,
     /// 0, 1 or 2; equal to `from` for a corner that was kept.
-    pub to: usize,
+    pub(crate) to: usize,
     /// Fraction of the way from `from` to `to`, 0 for a kept corner.
-    pub share: f64,
+    pub(crate) share: f64,
 }
 
 impl Corner {
     /// Returns the barycentric coordinates in the original triangle.
     #[must_use]
-    pub fn barycentric(self) -> [f64; 3] {
+    pub(crate) fn barycentric(self) -> [f64; 3] {
         let mut weights = [0.0; 3];
         weights[self.from] += 1.0 - self.share;
         weights[self.to] += self.share;
@@ -32,7 +32,7 @@ impl Corner {
 /// A clipped point depends only on its edge, not on the triangle or the order of the corners, so neighbours meet
 /// exactly. Triangles with a non-finite corner are dropped.
 #[must_use]
-pub fn clip_near(corners: [Projected; 3], near: f64) -> ([[Corner; 3]; 2], usize) {
+pub(crate) fn clip_near(corners: [Projected; 3], near: f64) -> ([[Corner; 3]; 2], usize) {
     let is_kept = corners.map(|corner| corner.depth >= near && corner.w > 0.0);
     let kept = |corner: usize| Corner { from: corner, to: corner, share: 0.0 };
     let whole = [kept(0), kept(1), kept(2)];

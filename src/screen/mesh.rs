@@ -17,7 +17,7 @@ pub struct ScreenMesh {
 /// The projected vertices of one posed part.
 #[derive(Clone, Debug, Default)]
 pub struct ScreenPart {
-    /// #vertices; those nearer than the near plane are valid only as input of [`clip_near`](super::clip_near).
+    /// #vertices; those nearer than the near plane are valid only as input of `clip_near`.
     pub vertices: Vec<Projected>,
 }
 

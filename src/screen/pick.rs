@@ -12,20 +12,20 @@ use glam::DVec2;
 
 /// A surface point hit by a pick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// Index into [`Pose::parts`].
-    pub part: usize,
+    pub(crate) part: usize,
     /// Index into the primitive's triangles.
-    pub triangle: usize,
+    pub(crate) triangle: usize,
     /// Barycentric coordinates in scene space; they sum to 1.
-    pub barycentric: [f64; 3],
+    pub(crate) barycentric: [f64; 3],
     /// Distance along the view axis in metres.
-    pub depth: f64,
+    pub(crate) depth: f64,
 }
 
 /// Returns the nearest surface at a screen point; `None` if there is none. Both sides of a surface count.
 #[must_use]
-pub fn pick(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, near: f64, at: ScreenPoint) -> Option<Hit> {
+pub(crate) fn pick(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, near: f64, at: ScreenPoint) -> Option<Hit> {
     let of_part = |(part, posed): (usize, &crate::pose::PosedPart)| {
         let vertices = &mesh.parts[part].vertices;
         let of_triangle = move |(triangle, corners): (usize, &[u32; 3])| {

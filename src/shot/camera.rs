@@ -20,7 +20,7 @@ pub enum CameraRule {
 /// A camera defined by the shot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnCamera {
-    /// At least one; frames strictly increasing, all of the same [`CameraKey::kind`].
+    /// At least one; frames strictly increasing, all of the same `CameraKey::kind`.
     pub keys: Vec<CameraKey>,
 }
 
@@ -97,7 +97,7 @@ pub enum CameraLens {
 impl CameraKey {
     /// Returns the kind of the key; only keys of the same kind can be interpolated.
     #[must_use]
-    pub fn kind(&self) -> impl PartialEq + use<> {
+    pub(crate) fn kind(&self) -> impl PartialEq + use<> {
         let aim = match self.aim {
             CameraAim::Orbit { distance: None, .. } => 0,
             CameraAim::Orbit { distance: Some(_), .. } => 1,

@@ -42,7 +42,7 @@ impl Shot {
 
 /// Returns 32 hexadecimal digits over a text.
 #[must_use]
-pub fn digest(text: &str) -> String {
+pub(crate) fn digest(text: &str) -> String {
     format!("{:032x}", XxHash3_128::oneshot(text.as_bytes()))
 }
 

@@ -34,7 +34,7 @@ impl Shot {
     /// Returns the drawing that layer `layer` shows at a (fractional) frame: the number of the frame whose keys are
     /// held; 0 if nothing is held, or there is no such layer.
     #[must_use]
-    pub fn drawing(&self, layer: usize, frame: f64) -> i64 {
+    pub(crate) fn drawing(&self, layer: usize, frame: f64) -> i64 {
         match self.layers.get(layer) {
             Some(layer) if layer.step > 1 => held_frame(&self.frames, layer.step, frame) as i64,
             _ => 0,
@@ -63,7 +63,7 @@ impl Shot {
 impl Layer {
     /// Returns the path of the layer up to a (fractional) frame of a shot with these frames, as [`Shot::pin_path`].
     #[must_use]
-    pub fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {
+    pub(crate) fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {
         let held = held_frame(frames, self.step, frame);
         let keys = self.pins.iter().flat_map(|pin| pin.keys.iter().map(|key| key.frame));
         let mut times: Vec<f64> = keys.collect();

@@ -26,7 +26,7 @@ impl KeyLines {
 
     /// Returns whether the file contains this key (or list item).
     #[must_use]
-    pub fn has(&self, key: &str) -> bool {
+    pub(crate) fn has(&self, key: &str) -> bool {
         self.0.contains_key(key)
     }
 

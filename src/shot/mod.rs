@@ -28,7 +28,7 @@ pub mod template;
 pub use camera::*;
 pub use connectivity::{Connectivity, Cut};
 pub use error::ShotError;
-pub use hash::digest;
+pub(crate) use hash::digest;
 pub use lines::KeyLines;
 pub use model::*;
 pub use schema::schema;

@@ -327,7 +327,7 @@ pub struct Pin {
 impl Pin {
     /// Returns the order at a (fractional) frame.
     #[must_use]
-    pub fn order_at(&self, frame: f64) -> i32 {
+    pub(crate) fn order_at(&self, frame: f64) -> i32 {
         let before = self.order.partition_point(|key| key.frame <= frame);
         self.order.get(before.saturating_sub(1)).map_or(0, |key| key.value)
     }

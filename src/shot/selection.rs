@@ -53,7 +53,7 @@ impl Default for Selection {
 impl Selection {
     /// Returns whether whole meshes are taken.
     #[must_use]
-    pub const fn is_whole(&self) -> bool {
+    pub(crate) const fn is_whole(&self) -> bool {
         self.joints.is_empty() && self.materials.is_empty() && self.vertex_color.is_none() && self.mask.is_none()
     }
 }
@@ -75,7 +75,7 @@ pub enum ColorChannel {
 impl ColorChannel {
     /// Returns its index in RGBA.
     #[must_use]
-    pub const fn index(self) -> usize {
+    pub(crate) const fn index(self) -> usize {
         match self {
             Self::R => 0,
             Self::G => 1,

@@ -51,10 +51,8 @@ pub(crate) use active_cells::active_cells;
 pub(crate) use branching::nearest_barycentric;
 pub(crate) use linalg::small_matrix::symmetric_eigen;
 
-pub use branching::{
-    BranchedLattice, Link, LinkEnd, LinkKind, continued, inner_widths, link_length, nearest_link, solid_links,
-    surface_links,
-};
+pub use branching::{BranchedLattice, Link, LinkEnd, LinkKind};
+pub(crate) use branching::{continued, inner_widths, link_length, nearest_link, solid_links, surface_links};
 pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;
 pub use drag::Drag;
@@ -69,4 +67,5 @@ pub use settings::{
 };
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
-pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory, knots_per_gib};
+pub(crate) use trajectory::knots_per_gib;
+pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};

@@ -24,7 +24,7 @@ pub enum Energy {
 impl Energy {
     /// Whether [`EdgeWeights`] apply to this energy.
     #[must_use]
-    pub const fn has_edge_weights(self) -> bool {
+    pub(crate) const fn has_edge_weights(self) -> bool {
         match self {
             Self::Edge | Self::Vertex => true,
             Self::Area | Self::Element | Self::SpokesAndRims | Self::Stroke => false,
@@ -214,16 +214,16 @@ pub struct Settings {
 
 impl Settings {
     /// λgr of [`Regularizer::Bend`] in dimensionless units, tuned on poses (docs/METHOD.md).
-    pub const BEND: f64 = 3e-5;
+    pub(crate) const BEND: f64 = 3e-5;
 
     /// Temporal weight in frames that keeps a layer of a shot from snapping between frames.
-    pub const TEMPORAL: f64 = 0.3;
+    pub(crate) const TEMPORAL: f64 = 0.3;
     /// λgr of [`Regularizer::Rest`] in dimensionless units.
-    pub const REST: f64 = 5.3;
+    pub(crate) const REST: f64 = 5.3;
     /// λgr of [`Regularizer::Noh`] in dimensionless units: 1e-2 of the plain sum at 10 x 10.
-    pub const NOH: f64 = 0.2;
+    pub(crate) const NOH: f64 = 0.2;
     /// λgr of [`Regularizer::Affine`] in dimensionless units: 1e-3 of the plain sum at 10 x 10.
-    pub const AFFINE: f64 = 1.1;
+    pub(crate) const AFFINE: f64 = 1.1;
 
     /// Returns the paper's preset: `edge`, uniform weights, `rest`, plain sums, λ = 1, 1e2, 1e2, 1e-2, started at rest.
     #[must_use]
@@ -258,7 +258,7 @@ impl Settings {
 
     /// Returns a setting that a branching lattice does not support, and what to use instead; `None` if it supports all settings.
     #[must_use]
-    pub fn branching_fault(&self) -> Option<[&'static str; 2]> {
+    pub(crate) fn branching_fault(&self) -> Option<[&'static str; 2]> {
         if self.energy != Energy::Area || self.sampling != Sampling::Subcells {
             Some(["another energy than `area`", "use energy = \"area\" and no preset"])
         } else if self.regularizer != Regularizer::Bend {

@@ -56,14 +56,14 @@ impl Session {
     }
 
     /// Renames the selected layer.
-    pub fn rename_layer(&mut self, name: &str) {
+    pub(crate) fn rename_layer(&mut self, name: &str) {
         if !name.trim().is_empty() {
             self.set_layer("Rename layer", &["name"], &Setting::Text(name.to_owned()), None);
         }
     }
 
     /// Appends a layer that moves these nodes, and selects it.
-    pub fn add_layer(&mut self, nodes: &[String]) {
+    pub(crate) fn add_layer(&mut self, nodes: &[String]) {
         let layers = &self.document.shot().layers;
         let is_free = |name: &String| layers.iter().all(|layer| layer.name != *name);
         let base = nodes.first().map_or("layer", String::as_str);
@@ -77,7 +77,7 @@ impl Session {
     }
 
     /// Deletes the selected layer.
-    pub fn delete_layer(&mut self) {
+    pub(crate) fn delete_layer(&mut self) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let text = remove_layer(self.document.text(), &layer.name);
         self.selection.clear();
@@ -85,7 +85,7 @@ impl Session {
     }
 
     /// Moves the selected layer up or down in the list.
-    pub fn move_layer(&mut self, by: isize) {
+    pub(crate) fn move_layer(&mut self, by: isize) {
         let from = self.selection.layer;
         let Some(to) = from.checked_add_signed(by) else { return };
         let layers = &self.document.shot().layers;
@@ -141,13 +141,13 @@ impl Session {
 
     /// Returns whether a layer is muted.
     #[must_use]
-    pub fn is_muted(&self, name: &str) -> bool {
+    pub(crate) fn is_muted(&self, name: &str) -> bool {
         self.muted.contains(name)
     }
 
     /// Returns whether a layer is soloed.
     #[must_use]
-    pub fn is_solo(&self, name: &str) -> bool {
+    pub(crate) fn is_solo(&self, name: &str) -> bool {
         self.solo.as_deref() == Some(name)
     }
 
@@ -161,7 +161,7 @@ impl Session {
     }
 
     /// Soloes or unsoloes a layer in the editor; the file is not changed.
-    pub fn toggle_solo(&mut self, name: &str) {
+    pub(crate) fn toggle_solo(&mut self, name: &str) {
         self.solo = if self.is_solo(name) { None } else { Some(name.to_owned()) };
         self.frames_changed();
         self.refresh(Purpose::Look);
@@ -171,13 +171,13 @@ impl Session {
 impl Session {
     /// Returns the layer's strength from the file, without the shot's.
     #[must_use]
-    pub fn own_strength(&self, layer: usize) -> f64 {
+    pub(crate) fn own_strength(&self, layer: usize) -> f64 {
         self.number_in_file(layer, &["strength"]).unwrap_or(1.0)
     }
 
     /// Returns the layer's smoothness from the file.
     #[must_use]
-    pub fn own_smoothness(&self, layer: usize) -> f64 {
+    pub(crate) fn own_smoothness(&self, layer: usize) -> f64 {
         self.number_in_file(layer, &["solve", "smoothness"]).unwrap_or(1.0)
     }
 
@@ -189,7 +189,7 @@ impl Session {
 
 impl Session {
     /// Selects a clip of the scene, and sets the frame range to its length.
-    pub fn choose_clip(&mut self, name: &str, secs: f64) {
+    pub(crate) fn choose_clip(&mut self, name: &str, secs: f64) {
         let frames = &self.document.shot().frames;
         let last = i64::from(frames.first) + (secs * frames.rate).round().max(0.0) as i64;
         let range = Setting::Wholes(vec![i64::from(frames.first), last]);
@@ -200,7 +200,7 @@ impl Session {
     }
 
     /// Hides or shows a node.
-    pub fn toggle_node(&mut self, name: &str) {
+    pub(crate) fn toggle_node(&mut self, name: &str) {
         let nodes = &self.loaded.nodes;
         let is_hidden = |node: &&(String, bool)| (node.0 == name) != node.1;
         let hidden: Vec<String> = nodes.iter().filter(is_hidden).map(|(name, _)| name.clone()).collect();

@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::mpsc::channel;
 
 /// The formats of `pinwarp export --to`, with display names.
-pub const EXPORTS: [(&str, &str); 6] = [
+pub(crate) const EXPORTS: [(&str, &str); 6] = [
     ("lattice-json", "Lattices (JSON)"),
     ("stmap", "STMaps (EXR)"),
     ("nuke", "Nuke script"),
@@ -18,7 +18,7 @@ pub const EXPORTS: [(&str, &str); 6] = [
 
 impl Session {
     /// Exports the shot, saving unsaved changes first.
-    pub fn export(&mut self, format: &'static str, wake: impl Fn() + Send + 'static) {
+    pub(crate) fn export(&mut self, format: &'static str, wake: impl Fn() + Send + 'static) {
         if self.document().is_dirty()
             && let Err(error) = self.save()
         {

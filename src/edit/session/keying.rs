@@ -26,7 +26,7 @@ pub enum EasePreset {
 
 impl EasePreset {
     /// All presets.
-    pub const ALL: [Self; 6] = [Self::Hold, Self::Linear, Self::Smooth, Self::In, Self::Out, Self::Overshoot];
+    pub(crate) const ALL: [Self; 6] = [Self::Hold, Self::Linear, Self::Smooth, Self::In, Self::Out, Self::Overshoot];
 
     /// Returns the ease as in a shot.
     #[must_use]
@@ -43,7 +43,7 @@ impl EasePreset {
 
     /// Returns the display name.
     #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Hold => "Hold",
             Self::Linear => "Linear",
@@ -56,7 +56,7 @@ impl EasePreset {
 
     /// Returns the preset of an ease; `None` for a custom curve.
     #[must_use]
-    pub fn of(ease: Ease) -> Option<Self> {
+    pub(crate) fn of(ease: Ease) -> Option<Self> {
         Self::ALL.into_iter().find(|preset| preset.ease() == ease)
     }
 }
@@ -86,14 +86,14 @@ impl Session {
 
     /// Returns the interpolated key of a pin at the current frame.
     #[must_use]
-    pub fn key_here(&self, at: [usize; 2]) -> Option<PinKey> {
+    pub(crate) fn key_here(&self, at: [usize; 2]) -> Option<PinKey> {
         let shot = self.shot();
         key_at(shot, at, key_time(&shot.frames, shot.layers.get(at[0])?, self.playhead.frame()))
     }
 
     /// Returns whether a pin has a key at the current frame.
     #[must_use]
-    pub fn has_key_here(&self, at: [usize; 2]) -> bool {
+    pub(crate) fn has_key_here(&self, at: [usize; 2]) -> bool {
         let shot = self.shot();
         let pin = shot.layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
         let key = self.key_here(at);
@@ -132,12 +132,12 @@ impl Session {
     }
 
     /// Deletes the selected keys; the last key of a pin is kept.
-    pub fn delete_keys(&mut self) {
+    pub(crate) fn delete_keys(&mut self) {
         self.change_keys("Delete keys", without_keys);
     }
 
     /// Moves the selected keys by a number of frames.
-    pub fn shift_keys(&mut self, by: i32) {
+    pub(crate) fn shift_keys(&mut self, by: i32) {
         if by == 0 {
             return;
         }
@@ -159,7 +159,7 @@ impl Session {
     }
 
     /// Goes to the next or previous key of the selected pins, or of the layer's if no pin is selected.
-    pub fn go_to_key(&mut self, forward: bool) {
+    pub(crate) fn go_to_key(&mut self, forward: bool) {
         let (shot, here) = (self.document.shot(), f64::from(self.playhead.frame()));
         let layer = self.selection.layer;
         let is_wanted = |at: [usize; 2]| match self.selection.pins.is_empty() {
@@ -180,13 +180,13 @@ impl Session {
     }
 
     /// Sets for how many frames each drawing is held.
-    pub fn set_exposure(&mut self, step: u32) {
+    pub(crate) fn set_exposure(&mut self, step: u32) {
         let setting = if step == 1 { Setting::Default } else { Setting::Whole(i64::from(step)) };
         self.set_layer("Change exposure", &["step"], &setting, None);
     }
 
     /// Goes to the frame with the worst value of a figure among those solved.
-    pub fn go_to_worst(&mut self, figure: impl Fn(&crate::pipeline::FrameReport) -> Option<f64>) {
+    pub(crate) fn go_to_worst(&mut self, figure: impl Fn(&crate::pipeline::FrameReport) -> Option<f64>) {
         let known = self.solves.values().filter_map(|solve| Some((figure(&solve.report)?, solve.frame)));
         if let Some((_, frame)) = known.max_by(|a, b| a.0.total_cmp(&b.0)) {
             self.playhead.go(frame);

@@ -15,12 +15,13 @@ mod selection;
 mod shown;
 
 pub use arrange::MatteChoice;
-pub use export_run::EXPORTS;
+pub(crate) use export_run::EXPORTS;
 pub use keying::EasePreset;
 pub use pointer::{Held, PinPart, Ring};
 pub use render_run::{RenderRun, RunState};
 pub use selection::Selection;
-pub use shown::{Onion, Shown, Wipe};
+pub use shown::Shown;
+pub(crate) use shown::{Onion, Wipe};
 
 use super::picture::{Picture, Quality};
 use super::playhead::Playhead;
@@ -51,13 +52,13 @@ pub struct Session {
     /// Zoom and pan of the picture in the viewport.
     pub zoom: Zoom,
     /// Size of the viewport when last drawn.
-    pub viewport: glam::DVec2,
+    pub(crate) viewport: glam::DVec2,
     /// The selection.
     pub selection: Selection,
     /// What is drawn over the picture.
     pub shown: Shown,
     /// How a drag affects keys.
-    pub auto_key: AutoKey,
+    pub(crate) auto_key: AutoKey,
     /// Whether edits of a pin are mirrored to its counterpart on the other side.
     pub mirrors: bool,
     /// Names of muted layers.
@@ -88,7 +89,7 @@ pub struct Session {
     /// Receives the output of a running export.
     export: Option<std::sync::mpsc::Receiver<String>>,
     /// The reference picture.
-    pub reference: Option<Reference>,
+    pub(crate) reference: Option<Reference>,
     next_question: u64,
 }
 
@@ -153,13 +154,13 @@ impl Session {
 
     /// Returns the cached picture of another frame.
     #[must_use]
-    pub fn picture_of(&self, frame: i32) -> Option<&Arc<Picture>> {
+    pub(crate) fn picture_of(&self, frame: i32) -> Option<&Arc<Picture>> {
         self.pictures.get(&frame)
     }
 
     /// Returns the unwarped picture of the current frame.
     #[must_use]
-    pub fn before(&self) -> Option<&Arc<Picture>> {
+    pub(crate) fn before(&self) -> Option<&Arc<Picture>> {
         self.before.as_ref().filter(|picture| picture.frame == self.playhead.frame())
     }
 
@@ -170,19 +171,19 @@ impl Session {
     }
 
     /// Returns the solves of all frames since the last change.
-    pub fn solves(&self) -> impl Iterator<Item = &Arc<SolvedFrame>> {
+    pub(crate) fn solves(&self) -> impl Iterator<Item = &Arc<SolvedFrame>> {
         self.solves.values()
     }
 
     /// Returns information about the loaded shot.
     #[must_use]
-    pub fn loaded(&self) -> &Loaded {
+    pub(crate) fn loaded(&self) -> &Loaded {
         &self.loaded
     }
 
     /// Returns the progress of the solve over time, 0 to 1; `None` if there is none to do.
     #[must_use]
-    pub const fn progress(&self) -> Option<f64> {
+    pub(crate) const fn progress(&self) -> Option<f64> {
         self.progress
     }
 
@@ -193,7 +194,7 @@ impl Session {
     }
 
     /// Returns whether the shot file was written since the last call.
-    pub const fn take_written(&mut self) -> bool {
+    pub(crate) const fn take_written(&mut self) -> bool {
         std::mem::replace(&mut self.is_written, false)
     }
 
@@ -210,13 +211,8 @@ impl Session {
     }
 
     /// Sets a message for the user.
-    pub fn say(&mut self, text: impl Into<String>) {
+    pub(crate) fn say(&mut self, text: impl Into<String>) {
         self.message = Some(text.into());
-    }
-
-    /// Clears the message.
-    pub fn forget_message(&mut self) {
-        self.message = None;
     }
 
     /// Processes the replies of the worker thread. Returns whether anything changed.
@@ -382,19 +378,19 @@ impl Session {
     }
 
     /// Moves by a number of frames.
-    pub fn step(&mut self, by: i32) {
+    pub(crate) fn step(&mut self, by: i32) {
         self.playhead.step(by);
         self.frame_changed(Purpose::Look);
     }
 
     /// Starts or stops playback.
-    pub fn toggle_play(&mut self, now_secs: f64) {
+    pub(crate) fn toggle_play(&mut self, now_secs: f64) {
         self.playhead.toggle(now_secs);
         self.refresh(if self.playhead.is_playing() { Purpose::Play } else { Purpose::Look });
     }
 
     /// Advances playback to the time `now_secs`.
-    pub fn tick(&mut self, now_secs: f64) {
+    pub(crate) fn tick(&mut self, now_secs: f64) {
         let is_ready = self.current.as_ref().is_some_and(|picture| picture.frame == self.playhead.frame());
         if self.playhead.tick(now_secs, is_ready) {
             self.frame_changed(Purpose::Play);
@@ -452,7 +448,7 @@ impl Session {
     ///
     /// # Errors
     /// As [`Self::save`].
-    pub fn save_as(&mut self, path: &std::path::Path) -> Result<(), EditError> {
+    pub(crate) fn save_as(&mut self, path: &std::path::Path) -> Result<(), EditError> {
         self.document.save_as(path)?;
         self.document_changed();
         self.say(format!("Saved {}", path.display()));
@@ -465,7 +461,7 @@ impl Session {
     }
 
     /// Reloads after the shot file or its scene changed on disk.
-    pub fn reload(&mut self) {
+    pub(crate) fn reload(&mut self) {
         self.worker.forget();
         self.document_changed();
     }

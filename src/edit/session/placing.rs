@@ -135,7 +135,7 @@ impl Session {
     }
 
     /// Sets the region that moves with a pin; `None`: only its point moves.
-    pub fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
+    pub(crate) fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);
             self.change("Change region", text, Some(&format!("region {layer}/{pin}")));
@@ -153,7 +153,7 @@ impl Session {
     }
 
     /// Mutes or unmutes the selected pins.
-    pub fn mute_chosen(&mut self) {
+    pub(crate) fn mute_chosen(&mut self) {
         let pins: Vec<[usize; 2]> = self.selection.pins.iter().copied().collect();
         self.toggle_pin_mute(&pins);
     }
@@ -194,7 +194,7 @@ impl Session {
     }
 
     /// Selects all pins of the layer.
-    pub fn choose_all(&mut self) {
+    pub(crate) fn choose_all(&mut self) {
         let layer = self.selection.layer;
         let count = self.document.shot().layers.get(layer).map_or(0, |layer| layer.pins.len());
         self.selection.pins = (0..count).map(|pin| [layer, pin]).collect();

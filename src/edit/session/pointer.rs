@@ -111,7 +111,7 @@ impl Session {
     }
 
     /// Handles pointer movement; `grows`: a rotation gesture also scales.
-    pub fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
+    pub(crate) fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
         match &mut self.gesture {
             Gesture::Idle => {}
             Gesture::Placing { at, .. } => *at = to,
@@ -204,7 +204,7 @@ impl Session {
 
     /// Returns whether a gesture is in progress.
     #[must_use]
-    pub const fn is_dragging(&self) -> bool {
+    pub(crate) const fn is_dragging(&self) -> bool {
         !matches!(self.gesture, Gesture::Idle | Gesture::Placing { is_up: true, .. })
     }
 
@@ -346,7 +346,7 @@ impl Session {
 
     /// Returns the target of the single selected pin.
     #[must_use]
-    pub fn ring_center(&self) -> Option<ScreenPoint> {
+    pub(crate) fn ring_center(&self) -> Option<ScreenPoint> {
         let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.pins && !self.shown.is_hidden)?;
         let marks = self.marks_of(layer)?;
         marks.pins.iter().find(|mark| mark.pin == pin).map(|mark| mark.target)
@@ -354,7 +354,7 @@ impl Session {
 
     /// Returns the nearest pin and its rest position.
     #[must_use]
-    pub fn pin_near(&self, at: ScreenPoint, reach: f64) -> Option<([usize; 2], ScreenPoint)> {
+    pub(crate) fn pin_near(&self, at: ScreenPoint, reach: f64) -> Option<([usize; 2], ScreenPoint)> {
         let marks = self.marks();
         let pins = marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| (marks.layer, pin)));
         let near = pins.map(|(layer, pin)| ((pin.target - at).0.length(), [layer, pin.pin], pin.rest));
@@ -364,7 +364,7 @@ impl Session {
 
     /// Returns the nearest visible handle.
     #[must_use]
-    pub fn handle_near(&self, at: ScreenPoint, reach: f64) -> Option<(usize, [usize; 3])> {
+    pub(crate) fn handle_near(&self, at: ScreenPoint, reach: f64) -> Option<(usize, [usize; 3])> {
         if !self.shown.handles || self.shown.is_hidden {
             return None;
         }

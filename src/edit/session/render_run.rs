@@ -17,15 +17,15 @@ pub struct RenderRun {
     events: Receiver<RenderMessage>,
     cancel: Arc<AtomicBool>,
     /// Number of requested frames.
-    pub frames: usize,
+    pub(crate) frames: usize,
     /// Number of frames processed.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Its log messages.
-    pub log: Vec<String>,
+    pub(crate) log: Vec<String>,
     /// Its state.
     pub state: RunState,
     /// Paths of finished frames, in order.
-    pub files: Vec<std::path::PathBuf>,
+    pub(crate) files: Vec<std::path::PathBuf>,
 }
 
 /// The state of a render.
@@ -45,7 +45,7 @@ enum RenderMessage {
 
 impl Session {
     /// Renders the playback range if there is one, else the whole shot; existing frames that are up to date are kept.
-    pub fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
+    pub(crate) fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
         let frames: Vec<i32> = match self.playhead.has_range() {
             true => (self.playhead.range()[0]..=self.playhead.range()[1]).collect(),
             false => Vec::new(),
@@ -60,14 +60,14 @@ impl Session {
     }
 
     /// Cancels the render after the frames in flight.
-    pub fn cancel_render(&self) {
+    pub(crate) fn cancel_render(&self) {
         if let Some(run) = &self.run {
             run.cancel.store(true, Ordering::Relaxed);
         }
     }
 
     /// Closes the log of the last render.
-    pub fn close_render(&mut self) {
+    pub(crate) fn close_render(&mut self) {
         if self.run.as_ref().is_some_and(|run| run.state != RunState::Running) {
             self.run = None;
         }

@@ -9,18 +9,18 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// The active layer: new pins go to it, and its settings are shown.
-    pub layer: usize,
+    pub(crate) layer: usize,
     /// Indices of layer and pin.
     pub pins: BTreeSet<[usize; 2]>,
     /// Index of the layer, and lattice coordinates of the handle.
-    pub handles: BTreeSet<(usize, [usize; 3])>,
+    pub(crate) handles: BTreeSet<(usize, [usize; 3])>,
     /// Indices of layer and pin, and the times of their keys.
-    pub keys: Vec<([usize; 2], f64)>,
+    pub(crate) keys: Vec<([usize; 2], f64)>,
 }
 
 impl Selection {
     /// Selects one pin only.
-    pub fn only_pin(&mut self, at: [usize; 2]) {
+    pub(crate) fn only_pin(&mut self, at: [usize; 2]) {
         *self = Self { layer: at[0], pins: BTreeSet::from([at]), ..Self::default() };
     }
 
@@ -37,14 +37,14 @@ impl Selection {
 
     /// Returns the layers with selected elements.
     #[must_use]
-    pub fn layers(&self) -> Vec<usize> {
+    pub(crate) fn layers(&self) -> Vec<usize> {
         let of_pins = self.pins.iter().map(|[layer, _]| *layer);
         let all: BTreeSet<usize> = of_pins.chain(self.handles.iter().map(|(layer, _)| *layer)).collect();
         all.into_iter().collect()
     }
 
     /// Drops what no longer exists in the shot.
-    pub fn retain(&mut self, shot: &Shot) {
+    pub(crate) fn retain(&mut self, shot: &Shot) {
         let pin = |[layer, pin]: [usize; 2]| shot.layers.get(layer).and_then(|layer| layer.pins.get(pin));
         self.layer = self.layer.min(shot.layers.len().saturating_sub(1));
         self.pins.retain(|&at| pin(at).is_some());
@@ -57,13 +57,13 @@ impl Selection {
 
     /// Returns whether a key is selected.
     #[must_use]
-    pub fn has_key(&self, at: [usize; 2], time: f64) -> bool {
+    pub(crate) fn has_key(&self, at: [usize; 2], time: f64) -> bool {
         self.keys.iter().any(|(other, when)| *other == at && *when == time)
     }
 
     /// Returns the times of the selected keys of a pin.
     #[must_use]
-    pub fn times_of(&self, at: [usize; 2]) -> Vec<f64> {
+    pub(crate) fn times_of(&self, at: [usize; 2]) -> Vec<f64> {
         self.keys.iter().filter(|(other, _)| *other == at).map(|(_, time)| *time).collect()
     }
 }

@@ -6,45 +6,45 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// Lattice lines.
-    pub lattice: bool,
+    pub(crate) lattice: bool,
     /// Draggable handles.
     pub handles: bool,
     /// Pins.
-    pub pins: bool,
+    pub(crate) pins: bool,
     /// Names next to pins.
-    pub names: bool,
+    pub(crate) names: bool,
     /// Rest positions of pinned points.
-    pub rest: bool,
+    pub(crate) rest: bool,
     /// Lattice lines coloured by stretch.
-    pub distortion: bool,
+    pub(crate) distortion: bool,
     /// Folded cells, in red.
-    pub folds: bool,
+    pub(crate) folds: bool,
     /// Title-safe and action-safe areas.
-    pub safe_areas: bool,
+    pub(crate) safe_areas: bool,
     /// Motion trails of pins.
-    pub trails: bool,
+    pub(crate) trails: bool,
     /// Onion skins.
-    pub onion: Onion,
+    pub(crate) onion: Onion,
     /// Comparison with the unwarped frame.
-    pub wipe: Wipe,
+    pub(crate) wipe: Wipe,
     /// Whether all overlays are hidden temporarily.
-    pub is_hidden: bool,
+    pub(crate) is_hidden: bool,
 }
 
 /// Onion skins: neighbouring frames behind the current one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Onion {
+pub(crate) struct Onion {
     /// Number of frames on either side; 0: off.
-    pub count: u32,
+    pub(crate) count: u32,
     /// Step between them in frames; 0: the keys of the selected pins.
-    pub every: u32,
+    pub(crate) every: u32,
     /// Opacity of the nearest.
-    pub opacity: f32,
+    pub(crate) opacity: f32,
 }
 
 /// Comparison with the unwarped frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Wipe {
+pub(crate) enum Wipe {
     /// Off.
     #[default]
     Off,
@@ -75,7 +75,7 @@ impl Default for Shown {
 
 impl super::Session {
     /// Sets the comparison, and requests the unwarped frame if it is missing.
-    pub fn set_wipe(&mut self, wipe: Wipe) {
+    pub(crate) fn set_wipe(&mut self, wipe: Wipe) {
         let is_new = self.shown.wipe == Wipe::Off && wipe != Wipe::Off;
         self.shown.wipe = wipe;
         if is_new && self.before().is_none() {

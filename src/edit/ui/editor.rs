@@ -69,7 +69,7 @@ impl Editor {
     }
 
     /// Returns the open session mutably, for tests and scripts.
-    pub const fn session_mut(&mut self) -> Option<&mut Session> {
+    pub(crate) const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
 

@@ -34,5 +34,4 @@ pub use editor::Editor;
 pub use eframe::egui::Theme;
 pub use options::EditorOptions;
 pub use screenshot::screenshot;
-pub use software::SoftwarePainter;
-pub use window::run;
+pub(crate) use window::run;

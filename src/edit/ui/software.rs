@@ -17,13 +17,13 @@ struct Texture {
 
 /// Stores textures and draws passes.
 #[derive(Clone, Debug, Default)]
-pub struct SoftwarePainter {
+pub(crate) struct SoftwarePainter {
     textures: HashMap<TextureId, Texture>,
 }
 
 impl SoftwarePainter {
     /// Applies texture updates and removals.
-    pub fn take_textures(&mut self, delta: &mut TexturesDelta) {
+    pub(crate) fn take_textures(&mut self, delta: &mut TexturesDelta) {
         let taken = std::mem::take(delta);
         for (id, deltas) in &taken.set {
             deltas.iter().for_each(|delta| self.set(*id, delta));
@@ -50,7 +50,7 @@ impl SoftwarePainter {
 
     /// Draws a pass.
     #[must_use]
-    pub fn draw(&self, ctx: &egui::Context, output: &FullOutput, size: [u32; 2]) -> Preview {
+    pub(crate) fn draw(&self, ctx: &egui::Context, output: &FullOutput, size: [u32; 2]) -> Preview {
         let scale = output.pixels_per_point;
         let mut picture = Preview::transparent(size[0], size[1]);
         picture.rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = u8::MAX);

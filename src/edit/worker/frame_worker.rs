@@ -151,7 +151,6 @@ impl FrameWorker {
         let scene = &open.prepared().scene;
         let cameras = scene.nodes.iter().filter(|node| node.camera.is_some());
         Loaded {
-            notes: open.prepared().notes.clone(),
             nodes: open.drawn_nodes().map(|(name, is_hidden)| (name.to_owned(), is_hidden)).collect(),
             clips: scene.clips.iter().map(|clip| (clip.name.clone(), f64::from(clip.end_secs))).collect(),
             cameras: cameras.map(|node| node.name.clone()).collect(),

@@ -75,32 +75,30 @@ pub(in crate::edit) enum Reply {
 
 /// Information about a loaded shot.
 #[derive(Clone, Debug, Default)]
-pub struct Loaded {
-    /// What was selected automatically or ignored, worded for the user.
-    pub notes: Vec<String>,
+pub(crate) struct Loaded {
     /// Names of nodes with meshes, and whether they are hidden.
-    pub nodes: Vec<(String, bool)>,
+    pub(crate) nodes: Vec<(String, bool)>,
     /// Names of clips, and their durations in seconds.
-    pub clips: Vec<(String, f64)>,
+    pub(crate) clips: Vec<(String, f64)>,
     /// Names of the scene's cameras.
-    pub cameras: Vec<String>,
+    pub(crate) cameras: Vec<String>,
     /// Name of the rendering device.
-    pub device: String,
+    pub(crate) device: String,
 }
 
 /// A solved frame.
 #[derive(Clone, Debug)]
 pub struct SolvedFrame {
     /// Frame number.
-    pub frame: i32,
+    pub(crate) frame: i32,
     /// Revision of the document.
-    pub revision: u64,
+    pub(crate) revision: u64,
     /// Its overlay marks.
-    pub marks: Vec<LayerMarks>,
+    pub(crate) marks: Vec<LayerMarks>,
     /// The solve report.
     pub report: FrameReport,
     /// Whether it is the solve used for rendering.
-    pub is_final: bool,
+    pub(crate) is_final: bool,
 }
 
 /// The worker thread's inbox.

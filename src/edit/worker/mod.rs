@@ -11,5 +11,6 @@ mod handle;
 mod mail;
 
 pub(in crate::edit) use handle::Worker;
+pub(crate) use mail::Loaded;
+pub use mail::SolvedFrame;
 pub(in crate::edit) use mail::{Job, Purpose, Question, Reply};
-pub use mail::{Loaded, SolvedFrame};

@@ -97,7 +97,7 @@ pub struct LatticePose {
 
 /// Returns the whole number of frames per second that a file uses for a rate.
 #[must_use]
-pub fn nominal_rate(rate: f64) -> f64 {
+pub(crate) fn nominal_rate(rate: f64) -> f64 {
     rate.round().max(1.0)
 }
 

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// Distance of the camera's far plane; the cards lie closely behind each other.
 const FAR: f32 = 100.0;
 
-/// Returns the file of a scene made by [`crate::scene::picture_cards`]; nodes keep their numbers. `pictures`: one per
+/// Returns the file of a scene made by `scene::picture_cards`; nodes keep their numbers. `pictures`: one per
 /// mesh, a PNG file of the whole frame.
 #[must_use]
 pub fn packed_cards(scene: &Scene, aspect: f64, pictures: &[Vec<u8>]) -> Packed {

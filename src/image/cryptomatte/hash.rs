@@ -39,7 +39,7 @@ impl MatteId {
 
     /// Parses eight hexadecimal digits, the format of ids in manifests; `None` for anything else.
     #[must_use]
-    pub fn from_hex(digits: &str) -> Option<Self> {
+    pub(crate) fn from_hex(digits: &str) -> Option<Self> {
         let is_hex = digits.len() == 8 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
         is_hex.then(|| u32::from_str_radix(digits, 16).ok().map(Self)).flatten()
     }

@@ -76,7 +76,7 @@ fn rank_channel(channel: &str) -> Option<(&str, u32, usize)> {
 /// Returns the channel names of a number of ranks, two for each: `CryptoObject00.R`, `.G`, `.B`, `.A`,
 /// `CryptoObject01.R`. An odd count is rounded up to full RGBA layers.
 #[must_use]
-pub fn rank_channel_names(layer: &str, ranks: usize) -> Vec<String> {
+pub(crate) fn rank_channel_names(layer: &str, ranks: usize) -> Vec<String> {
     let numbers = 0..ranks.div_ceil(2);
     numbers.flat_map(|number| ["R", "G", "B", "A"].map(|suffix| format!("{layer}{number:02}.{suffix}"))).collect()
 }

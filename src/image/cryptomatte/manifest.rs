@@ -23,7 +23,7 @@ pub struct Selection {
 }
 
 impl Manifest {
-    /// Creates a manifest of names, normalised by [`clean_name`]. Duplicate names are merged, since objects of one name share an id.
+    /// Creates a manifest of names, normalised by `clean_name`. Duplicate names are merged, since objects of one name share an id.
     #[must_use]
     pub fn of_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let named = |name| {
@@ -51,7 +51,7 @@ impl Manifest {
 
     /// Merges two manifests; if both contain a name, this one's id takes precedence.
     #[must_use]
-    pub fn joined(&self, other: &Self) -> Self {
+    pub(crate) fn joined(&self, other: &Self) -> Self {
         let mut ids = other.ids.clone();
         ids.extend(self.ids.clone());
         Self { ids }
@@ -62,15 +62,9 @@ impl Manifest {
         self.ids.iter().map(|(name, &id)| (name.as_str(), id))
     }
 
-    /// Returns the number of names.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.ids.len()
-    }
-
     /// Whether there are no names; ids can then still be selected by number or by hashing a name.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.ids.is_empty()
     }
 
@@ -127,7 +121,7 @@ fn whole_entries(text: &str) -> Map<String, Value> {
 
 /// Normalises a name for hashing: no control characters, trimmed, never empty.
 #[must_use]
-pub fn clean_name(name: &str) -> String {
+pub(crate) fn clean_name(name: &str) -> String {
     let clean: String = name.trim().chars().map(|letter| if letter.is_control() { '_' } else { letter }).collect();
     if clean.is_empty() { "unnamed".into() } else { clean }
 }

@@ -17,10 +17,12 @@ mod side;
 
 pub use hash::MatteId;
 pub use header::MatteHeader;
-pub use layer::{MatteLayer, RankChannels, matte_layers, rank_channel_names};
-pub use manifest::{Manifest, Selection, clean_name};
-pub use ranks::Coverage;
+pub(crate) use layer::rank_channel_names;
+pub use layer::{MatteLayer, RankChannels, matte_layers};
+pub(crate) use manifest::clean_name;
+pub use manifest::{Manifest, Selection};
+pub(crate) use ranks::Coverage;
 pub(super) use side::take_in_manifests;
 
 /// Number of ranks that the specification suggests: three RGBA layers.
-pub const USUAL_RANKS: usize = 6;
+pub(crate) const USUAL_RANKS: usize = 6;

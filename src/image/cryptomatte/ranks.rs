@@ -6,18 +6,18 @@ use super::MatteId;
 
 /// Coverage per id of a pixel. Reused from pixel to pixel to avoid allocations.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Coverage {
+pub(crate) struct Coverage {
     shares: Vec<(MatteId, f32)>,
 }
 
 impl Coverage {
     /// Removes all ids.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.shares.clear();
     }
 
     /// Adds to an id's coverage; ignores [`MatteId::NOTHING`], 0 and NaN. Negative shares (from negative filter lobes) are added as well.
-    pub fn add(&mut self, id: MatteId, share: f32) {
+    pub(crate) fn add(&mut self, id: MatteId, share: f32) {
         if id == MatteId::NOTHING || share == 0.0 || share.is_nan() {
             return;
         }
@@ -27,15 +27,9 @@ impl Coverage {
         }
     }
 
-    /// Returns the coverage of an id; 0 if it is absent.
-    #[must_use]
-    pub fn of(&self, id: MatteId) -> f32 {
-        self.shares.iter().find(|(other, _)| *other == id).map_or(0.0, |&(_, share)| share)
-    }
-
     /// Returns all ids with positive coverage, largest first. Ties are broken by the smaller id, so that the order does
     /// not depend on that of insertion. Other ids are removed.
-    pub fn ranked(&mut self) -> &[(MatteId, f32)] {
+    pub(crate) fn ranked(&mut self) -> &[(MatteId, f32)] {
         self.shares.retain(|(_, share)| *share > 0.0);
         self.shares.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         &self.shares
@@ -46,7 +40,7 @@ impl Coverage {
     ///
     /// # Panics
     /// If the length of `ranks` is odd.
-    pub fn write(&mut self, ranks: &mut [f32]) {
+    pub(crate) fn write(&mut self, ranks: &mut [f32]) {
         assert!(ranks.len().is_multiple_of(2), "two numbers a rank");
         ranks.fill(0.0);
         for (rank, (id, share)) in ranks.chunks_exact_mut(2).zip(self.ranked()) {

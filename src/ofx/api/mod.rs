@@ -18,7 +18,7 @@ pub use handle::{
 };
 pub use plugin::{EntryPoint, Host, Plugin, PointD, RangeD, RectD, RectI, RgbaColour};
 pub use status::Status;
+pub(crate) use suites::Message;
 pub use suites::{
-    DrawSuiteV1, ImageEffectSuiteV1, InteractSuiteV1, MemorySuiteV1, Message, MessageSuiteV1, MessageSuiteV2,
-    ParameterSuiteV1, PropertySuiteV1,
+    DrawSuiteV1, ImageEffectSuiteV1, InteractSuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1, PropertySuiteV1,
 };

@@ -139,7 +139,7 @@ pub struct ParameterSuiteV1 {
 }
 
 /// A message function. Arguments: effect (may be null), type, id (may be null), `printf` format, its arguments.
-pub type Message =
+pub(crate) type Message =
     Option<unsafe extern "C" fn(*mut c_void, *const c_char, *const c_char, *const c_char, ...) -> Status>;
 
 /// The Message suite, version 1.
@@ -166,11 +166,11 @@ pub struct MessageSuiteV2 {
 /// The Memory suite.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct MemorySuiteV1 {
+pub(crate) struct MemorySuiteV1 {
     /// Allocates memory. Arguments: effect (may be null), bytes, where to write the address.
-    pub alloc: Option<unsafe extern "C" fn(*mut c_void, usize, *mut *mut c_void) -> Status>,
+    pub(crate) alloc: Option<unsafe extern "C" fn(*mut c_void, usize, *mut *mut c_void) -> Status>,
     /// Frees memory.
-    pub free: Option<unsafe extern "C" fn(*mut c_void) -> Status>,
+    pub(crate) free: Option<unsafe extern "C" fn(*mut c_void) -> Status>,
 }
 
 /// The Interact suite.
@@ -189,7 +189,7 @@ pub struct InteractSuiteV1 {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct DrawSuiteV1 {
-    /// Gets one of the host's standard colours (see [`super::names::draw`]).
+    /// Gets one of the host's standard colours (see `names::draw`).
     pub get_colour: Option<unsafe extern "C" fn(DrawContextHandle, c_int, *mut RgbaColour) -> Status>,
     /// Sets the current colour.
     pub set_colour: Option<unsafe extern "C" fn(DrawContextHandle, *const RgbaColour) -> Status>,

@@ -18,13 +18,13 @@ const R2_STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053
 
 /// One pass of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassPlan {
+pub(crate) struct PassPlan {
     /// Time of the pass relative to the frame, in frames.
-    pub time_frames: f64,
+    pub(crate) time_frames: f64,
     /// Offset of the picture, pixels, x right, y down.
-    pub jitter_px: Vec2,
+    pub(crate) jitter_px: Vec2,
     /// Whether the pass contributes to beauty, data or both.
-    pub role: PassRole,
+    pub(crate) role: PassRole,
 }
 
 /// Returns the middle of the shutter's opening relative to the frame, in frames.
@@ -39,7 +39,7 @@ pub(in crate::pipeline) fn mid_shutter(shutter: Shutter) -> f64 {
 /// this is the first beauty pass, which has no offset; with motion blur it is an additional pass, at the end of the
 /// list.
 #[must_use]
-pub fn plan_passes(samples: u32, shutter: Shutter) -> Vec<PassPlan> {
+pub(crate) fn plan_passes(samples: u32, shutter: Shutter) -> Vec<PassPlan> {
     let samples = samples.max(1);
     let middle = mid_shutter(shutter);
     let is_blurred = shutter.angle > 0.0 && samples > 1;

@@ -19,20 +19,20 @@ use std::borrow::Cow;
 
 /// A screen layer and the anchors of its pins: the shot's own, or a layer controlled by a host program.
 #[derive(Clone, Copy, Debug)]
-pub struct LayerTask<'a> {
+pub(crate) struct LayerTask<'a> {
     /// Index of the layer in the shot, whose nodes are the shape.
-    pub index: usize,
+    pub(crate) index: usize,
     /// The layer: lattice, settings, pins and handles.
-    pub layer: &'a Layer,
+    pub(crate) layer: &'a Layer,
     /// One per pin of the layer.
-    pub anchors: &'a [PinAnchor],
+    pub(crate) anchors: &'a [PinAnchor],
     /// Weights of the pins, 0..=1, in order; missing ones count as 1.
-    pub weights: &'a [f64],
+    pub(crate) weights: &'a [f64],
 }
 
 /// A screen layer at one time: everything that does not depend on the targets of pins and handles.
 #[derive(Debug)]
-pub struct LayerSolver {
+pub(crate) struct LayerSolver {
     frame: f64,
     rest_box: ScreenBox,
     grid: Grid<2>,
@@ -107,7 +107,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if the problem is malformed, or the solve is cancelled.
-    pub fn layer_solver(
+    pub(crate) fn layer_solver(
         &self,
         sample: &TimeSample,
         task: &LayerTask,
@@ -208,13 +208,13 @@ impl LayerSolver {
 
     /// Returns the grid of the lattice at rest.
     #[must_use]
-    pub fn grid(&self) -> &Grid<2> {
+    pub(crate) fn grid(&self) -> &Grid<2> {
         &self.grid
     }
 
     /// Returns the positions of the layer's pins before the warp, one per pin.
     #[must_use]
-    pub fn rests(&self) -> &[RestPoint] {
+    pub(crate) fn rests(&self) -> &[RestPoint] {
         &self.rests
     }
 
@@ -223,7 +223,7 @@ impl LayerSolver {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if pins or handles differ from the prepared ones, or numbers are not finite.
-    pub fn solve(&self, layer: &Layer, path: &[PinTargets]) -> Result<LayerState, PipelineError> {
+    pub(crate) fn solve(&self, layer: &Layer, path: &[PinTargets]) -> Result<LayerState, PipelineError> {
         self.solve_cancellable(layer, path, &Cancel::never())
     }
 
@@ -231,7 +231,7 @@ impl LayerSolver {
     ///
     /// # Errors
     /// As [`Self::solve`], and [`SolveError::Cancelled`] as the source.
-    pub fn solve_cancellable(
+    pub(crate) fn solve_cancellable(
         &self,
         layer: &Layer,
         path: &[PinTargets],

@@ -83,7 +83,7 @@ pub struct PinState {
 impl LayerState {
     /// Returns the report of the layer's solve; `None` if the layer is not warped.
     #[must_use]
-    pub fn report(&self) -> Option<&SolveReport> {
+    pub(crate) fn report(&self) -> Option<&SolveReport> {
         let world = self.world.as_ref().map(|world| &world.report);
         self.solution.as_ref().map(|solution| &solution.report).or(world)
     }
@@ -103,7 +103,7 @@ impl LayerState {
     /// Returns the field by which the layer moves a plate; `None` if the layer is not warped. `is_whole`: no matte cuts
     /// the layer out.
     #[must_use]
-    pub fn field(&self, is_whole: bool) -> Option<Field> {
+    pub(crate) fn field(&self, is_whole: bool) -> Option<Field> {
         Some(self.screen_warp()?.field(is_whole))
     }
 

@@ -28,7 +28,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a world layer cannot be solved.
-    pub fn unsolved_at(&self, frame: f64) -> Result<TimeSample, PipelineError> {
+    pub(crate) fn unsolved_at(&self, frame: f64) -> Result<TimeSample, PipelineError> {
         self.world_solved_at(frame, Unsolved::Wait)
     }
 

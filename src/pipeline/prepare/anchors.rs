@@ -68,7 +68,7 @@ impl PinAnchor {
 
     /// Returns the pinned point of a pose in scene space, metres; `None` for a point of the screen.
     #[must_use]
-    pub fn in_scene(&self, pose: &Pose) -> Option<DVec3> {
+    pub(crate) fn in_scene(&self, pose: &Pose) -> Option<DVec3> {
         let Self::Surface { part, corners, barycentric, .. } = *self else { return None };
         let place = |corner: usize| pose.parts[part].positions[corners[corner] as usize].0.as_dvec3();
         Some((0..3).map(|corner| place(corner) * barycentric[corner]).sum())
@@ -76,7 +76,7 @@ impl PinAnchor {
 
     /// Creates the anchor of a pick.
     #[must_use]
-    pub fn on(scene: &Scene, pose: &Pose, hit: &Hit) -> Self {
+    pub(crate) fn on(scene: &Scene, pose: &Pose, hit: &Hit) -> Self {
         let corners = primitive(scene, &pose.parts[hit.part]).triangles[hit.triangle];
         Self::Surface { part: hit.part, triangle: hit.triangle, corners, barycentric: hit.barycentric }
     }

@@ -102,7 +102,7 @@ impl PreparedShot {
 
     /// Returns the time shown by a whole frame: the middle of its exposure.
     #[must_use]
-    pub fn mid_exposure_time(&self, frame: f64) -> f64 {
+    pub(crate) fn mid_exposure_time(&self, frame: f64) -> f64 {
         frame + mid_shutter(self.shot.shutter)
     }
 
@@ -147,7 +147,7 @@ impl PreparedShot {
     /// drawing throughout the exposure of a frame, so its keys are evaluated at the exposed frame instead of at the
     /// time of the sample.
     #[must_use]
-    pub fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
+    pub(crate) fn key_frame(&self, layer: &Layer, frame: f64) -> f64 {
         if layer.step > 1 { (frame - mid_shutter(self.shot.shutter)).round() } else { frame }
     }
 }

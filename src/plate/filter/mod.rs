@@ -47,17 +47,17 @@ pub struct Planes<'a> {
 
 /// Counts of samples that are not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NotFinite {
+pub(crate) struct NotFinite {
     /// NaN samples, which filters treat as missing.
-    pub nan: usize,
+    pub(crate) nan: usize,
     /// Infinite samples, which filters replace by the greatest finite half float, 65504.
-    pub infinite: usize,
+    pub(crate) infinite: usize,
 }
 
 impl Planes<'_> {
     /// Counts the samples that a filter replaces, for the report.
     #[must_use]
-    pub fn not_finite(&self) -> NotFinite {
+    pub(crate) fn not_finite(&self) -> NotFinite {
         let rows = self.planes.par_iter().flat_map(|plane| plane.par_chunks(CHECKED));
         rows.filter(|samples| !all_finite(samples)).map(NotFinite::of).reduce(NotFinite::default, NotFinite::plus)
     }
@@ -120,7 +120,7 @@ pub fn resample_into(map: &WarpMap, source: &Planes, filter: Filter, planes: &mu
 ///
 /// # Panics
 /// As [`resample_into`], and if the window is not within the map's.
-pub fn resample_part(map: &WarpMap, part: PixelRect, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
+pub(crate) fn resample_part(map: &WarpMap, part: PixelRect, source: &Planes, filter: Filter, planes: &mut [Vec<f32>]) {
     assert_eq!(map.offsets.len(), map.window.area(), "an offset a pixel");
     assert_eq!(map.window.intersection(part), part, "a part of the map");
     assert_eq!(planes.len(), source.planes.len(), "a result a plane");

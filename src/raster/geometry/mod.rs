@@ -13,7 +13,8 @@ mod split;
 mod vertex;
 
 pub use assembly::{Assembly, KeptParts, PosedScene, Submesh};
-pub use part_warp::{BranchWarp, PartPoint, PartWarp, WarpBlend};
+pub(crate) use part_warp::PartPoint;
+pub use part_warp::{BranchWarp, PartWarp, WarpBlend};
 
 use super::{Draw, Geometry, RasterVertex};
 use crate::scene::{AlphaMode, Primitive};
@@ -24,7 +25,7 @@ use lines::LineClipper;
 use part_warp::EdgeBends;
 use rayon::prelude::*;
 use split::Splitter;
-pub use vertex::vertex_triangles;
+pub(crate) use vertex::vertex_triangles;
 use vertex::{ClipVertex, DepthRange, VertexList};
 
 /// Assembles the geometry of one time.
@@ -35,7 +36,7 @@ pub fn assemble(assembly: &Assembly) -> Geometry {
 
 /// Same as [`assemble`], with parts that have been built before.
 #[must_use]
-pub fn assemble_keeping(assembly: &Assembly, kept: &KeptParts) -> Geometry {
+pub(crate) fn assemble_keeping(assembly: &Assembly, kept: &KeptParts) -> Geometry {
     let camera = assembly.now.camera;
     let range = DepthRange::of(assembly.now.pose, camera);
     let built = |part: usize| match kept.parts.get(part) {

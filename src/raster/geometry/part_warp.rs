@@ -44,17 +44,17 @@ pub struct WarpBlend<'a> {
 
 /// The position of a point on its part.
 #[derive(Clone, Copy, Debug)]
-pub struct PartPoint<'a> {
+pub(crate) struct PartPoint<'a> {
     /// One weight per layer of a blend; else empty.
-    pub weights: &'a [f32],
+    pub(crate) weights: &'a [f32],
     /// Index of a triangle of the part that contains the point; arbitrary if no lattice has branches.
-    pub triangle: u32,
+    pub(crate) triangle: u32,
 }
 
 impl PartWarp<'_> {
     /// Returns whether there is no displacement.
     #[must_use]
-    pub fn is_rest(&self) -> bool {
+    pub(crate) fn is_rest(&self) -> bool {
         match self {
             Self::Rest => true,
             Self::Lattice(_) | Self::Branches(_) => false,
@@ -64,7 +64,7 @@ impl PartWarp<'_> {
 
     /// Returns whether any lattice has branches.
     #[must_use]
-    pub fn has_branches(&self) -> bool {
+    pub(crate) fn has_branches(&self) -> bool {
         match self {
             Self::Rest | Self::Lattice(_) => false,
             Self::Branches(_) => true,
@@ -74,7 +74,7 @@ impl PartWarp<'_> {
 
     /// Returns the weights of a vertex, one per layer; empty if a single lattice warps the part.
     #[must_use]
-    pub fn weights_of(&self, vertex: usize) -> &[f32] {
+    pub(crate) fn weights_of(&self, vertex: usize) -> &[f32] {
         match self {
             Self::Rest | Self::Lattice(_) | Self::Branches(_) => &[],
             Self::Blend(blend) => &blend.weights[vertex * blend.layers.len()..][..blend.layers.len()],
@@ -84,7 +84,7 @@ impl PartWarp<'_> {
     /// Warps a point. A weight of 1 gives exactly the bits of that lattice alone, so that a blended part and an
     /// adjacent part that is not blended agree on their border.
     #[must_use]
-    pub fn warp(&self, point: ScreenPoint, on: PartPoint) -> ScreenPoint {
+    pub(crate) fn warp(&self, point: ScreenPoint, on: PartPoint) -> ScreenPoint {
         match self {
             Self::Rest => point,
             Self::Lattice(lattice) => lattice.warp(point),

@@ -191,7 +191,7 @@ impl ClipVertex {
 
 /// Returns a triangle of every vertex, the first one, #vertices; 0 for vertices without triangles.
 #[must_use]
-pub fn vertex_triangles(source: &Primitive) -> Vec<u32> {
+pub(crate) fn vertex_triangles(source: &Primitive) -> Vec<u32> {
     let mut triangles = vec![0; source.positions.len()];
     for (number, corners) in source.triangles.iter().enumerate().rev() {
         corners.iter().for_each(|&corner| triangles[corner as usize] = number as u32);

@@ -19,7 +19,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// # Panics
     /// If there are no points.
     #[must_use]
-    pub fn nearest_along_shape(&self, points: &[([f64; D], Option<u32>)]) -> Vec<usize> {
+    pub(crate) fn nearest_along_shape(&self, points: &[([f64; D], Option<u32>)]) -> Vec<usize> {
         assert!(!points.is_empty(), "one of the points is the nearest");
         let branching = &self.branching;
         let mut sums = vec![([0.0; D], 0.0); branching.pieces.list.len()];

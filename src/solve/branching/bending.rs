@@ -11,7 +11,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// there, #cells. Second derivatives of B-splines are averages of second differences of the surrounding handles (C. de Boor,
     /// "A Practical Guide to Splines", 1978, chapter X).
     #[must_use]
-    pub fn bending(&self) -> Vec<f64> {
+    pub(crate) fn bending(&self) -> Vec<f64> {
         let mut cells = vec![0.0_f64; self.grid().cell_count()];
         for branch in 0..self.branch_count() {
             let differences = self.second_differences(branch);
@@ -43,7 +43,7 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// The largest Frobenius norm of gradient minus identity at the centres of the cells along the border of the box.
     #[must_use]
-    pub fn greatest_strain_at_border(&self) -> f64 {
+    pub(crate) fn greatest_strain_at_border(&self) -> f64 {
         let grid = self.grid();
         let last: [usize; D] = std::array::from_fn(|axis| grid.basis.spans(grid.dims[axis]) - 1);
         let mut greatest = 0.0_f64;

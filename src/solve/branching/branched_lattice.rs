@@ -37,7 +37,7 @@ impl<const D: usize> BranchedLattice<D> {
     ///
     /// # Errors
     /// [`SolveError::Invalid`] if the grid's basis or the shape does not support branching lattices.
-    pub fn at_rest(grid: &Grid<D>, shape: &Shape<D>) -> Result<Self, SolveError> {
+    pub(crate) fn at_rest(grid: &Grid<D>, shape: &Shape<D>) -> Result<Self, SolveError> {
         let branching = Branching::split(grid, shape, checked_width(grid, shape)?);
         let copies = branching.rest();
         Ok(Self { branching: Arc::new(branching), copies })
@@ -51,7 +51,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// # Panics
     /// If a holder is not the index of a lattice, or a lattice has too few handles.
     #[must_use]
-    pub fn moved_by(&self, lattices: &[Lattice<D>], mut holders: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
+    pub(crate) fn moved_by(&self, lattices: &[Lattice<D>], mut holders: impl FnMut([f64; D]) -> Vec<usize>) -> Self {
         let Branching { handles, cuts, pieces, .. } = self.branching.as_ref();
         // Lattices with the same position of a handle share a copy of it and are represented by the first of them.
         let first_in_place: Vec<Vec<usize>> = (0..self.branching.grid.handle_count())
@@ -90,7 +90,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// # Panics
     /// If the other lattice has fewer copies.
     #[must_use]
-    pub fn mixed(&self, other: &Self, share: f64) -> Self {
+    pub(crate) fn mixed(&self, other: &Self, share: f64) -> Self {
         let mix = |k: usize| std::array::from_fn(|d| self.copies[k][d] * (1.0 - share) + other.copies[k][d] * share);
         Self { branching: Arc::clone(&self.branching), copies: (0..self.copies.len()).map(mix).collect() }
     }
@@ -103,24 +103,24 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// The grid at rest.
     #[must_use]
-    pub fn grid(&self) -> &Grid<D> {
+    pub(crate) fn grid(&self) -> &Grid<D> {
         &self.branching.grid
     }
 
     /// Whether both have the same grid and the same shape at rest, and therefore the same branches.
     #[must_use]
-    pub fn has_same_pieces(&self, other: &Self) -> bool {
+    pub(crate) fn has_same_pieces(&self, other: &Self) -> bool {
         self.is_of(&other.branching)
     }
 
     /// The shape at rest as convex polygons, each inside one cell of the grid, with the branch of each.
-    pub fn pieces(&self) -> impl Iterator<Item = (usize, &[[f64; D]])> {
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = (usize, &[[f64; D]])> {
         let Branching { cuts, pieces, branch_of, .. } = self.branching.as_ref();
         cuts.iter().zip(&pieces.of_cuts).map(move |(cut, &piece)| (branch_of[piece], cut.polygon.corners()))
     }
 
     /// Same as [`Self::pieces`], with the index of the triangle that each polygon is a part of before its branch.
-    pub fn pieces_of_triangles(&self) -> impl Iterator<Item = (usize, usize, &[[f64; D]])> {
+    pub(crate) fn pieces_of_triangles(&self) -> impl Iterator<Item = (usize, usize, &[[f64; D]])> {
         let triangles = self.branching.cuts.iter().map(|cut| cut.triangle);
         triangles.zip(self.pieces()).map(|(triangle, (branch, corners))| (triangle, branch, corners))
     }
@@ -147,13 +147,13 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// The lattice of a branch. Handles that do not act on the branch are extrapolated with least second differences.
     #[must_use]
-    pub fn extended_lattice(&self, branch: usize) -> Lattice<D> {
+    pub(crate) fn extended_lattice(&self, branch: usize) -> Lattice<D> {
         continued(&self.branching.grid, &self.handles_of(branch))
     }
 
     /// Positions of the handles that act on a branch, #handles; `None` for the others.
     #[must_use]
-    pub fn handles_of(&self, branch: usize) -> Vec<Option<[f64; D]>> {
+    pub(crate) fn handles_of(&self, branch: usize) -> Vec<Option<[f64; D]>> {
         self.branching.branches[branch].iter().map(|copy| copy.map(|copy| self.copies[copy])).collect()
     }
 
@@ -178,14 +178,14 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// The cells that contain a part of a branch, as column and row.
     #[must_use]
-    pub fn cells(&self, branch: usize) -> Vec<[usize; D]> {
+    pub(crate) fn cells(&self, branch: usize) -> Vec<[usize; D]> {
         self.cells_of(branch).map(|(cell, _)| self.branching.grid.cell_coords(cell)).collect()
     }
 
     /// The part of the shape at rest that belongs to each branch, as convex polygons: whole triangles, and parts of those that
     /// belong to several branches.
     #[must_use]
-    pub fn regions(&self) -> Vec<Vec<Vec<[f64; D]>>> {
+    pub(crate) fn regions(&self) -> Vec<Vec<Vec<[f64; D]>>> {
         let mut regions = vec![Vec::new(); self.branch_count()];
         let pieces: Vec<_> = self.pieces_of_triangles().collect();
         for own in pieces.chunk_by(|one, other| one.0 == other.0) {
@@ -210,7 +210,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// # Panics
     /// If the range is empty, or extends beyond the triangles of the shape.
     #[must_use]
-    pub fn branch_within(&self, triangles: Range<usize>, point: [f64; D]) -> usize {
+    pub(crate) fn branch_within(&self, triangles: Range<usize>, point: [f64; D]) -> usize {
         assert!(triangles.start < triangles.end && triangles.end <= self.branching.triangles.len(), "{triangles:?}");
         self.branching.branch_of(self.branching.piece_at(triangles, &point))
     }
@@ -219,7 +219,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// nearest box point.
     ///
     /// # Panics
-    /// Same as [`Self::branch_within`].
+    /// If the range is empty, or extends beyond the triangles of the shape.
     #[must_use]
     pub fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
         self.evaluate_in(self.branch_within(triangles, point), point)
@@ -227,7 +227,7 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// Scales the displacement of every copy; a share of 0 gives the lattice at rest.
     #[must_use]
-    pub fn faded(&self, share: f64) -> Self {
+    pub(crate) fn faded(&self, share: f64) -> Self {
         let rest = self.branching.rest();
         let faded = self
             .copies
@@ -272,7 +272,7 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// The folds of all branches, each counted in the cells that contain a part of it.
     #[must_use]
-    pub fn folds(&self) -> Folds<D> {
+    pub(crate) fn folds(&self) -> Folds<D> {
         let Branching { grid, pieces, branch_of, .. } = self.branching.as_ref();
         let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
         for branch in 0..self.branch_count() {

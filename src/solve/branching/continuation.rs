@@ -15,7 +15,7 @@ const KNOWN: f64 = 1e6;
 
 /// A lattice with the known handles, in which the others minimise the sum of squared second differences. `known`: #handles.
 #[must_use]
-pub fn continued<const D: usize>(grid: &Grid<D>, known: &[Option<[f64; D]>]) -> Lattice<D> {
+pub(crate) fn continued<const D: usize>(grid: &Grid<D>, known: &[Option<[f64; D]>]) -> Lattice<D> {
     let mut lattice = grid.at_rest();
     let rows = bend(grid, Scaling::Plain);
     let mut normal = NormalMatrix::zero(lattice.handles.len(), rows.bandwidth());

@@ -16,7 +16,7 @@ const INSIDE: f64 = 1e-6;
 
 /// Widths at evenly spaced points of the outline, about a thousand in all.
 #[must_use]
-pub fn inner_widths(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
+pub(crate) fn inner_widths(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
     let outline = outline(points, triangles);
     let length: f64 = outline.iter().map(|[from, to]| (to[0] - from[0]).hypot(to[1] - from[1])).sum();
     let step = length / POINTS;

@@ -32,7 +32,7 @@ pub struct Link {
 impl LinkEnd {
     /// A corner of a triangle, 0, 1 or 2.
     #[must_use]
-    pub fn corner(triangle: usize, corner: usize) -> Self {
+    pub(crate) fn corner(triangle: usize, corner: usize) -> Self {
         let mut barycentric = [0.0; 3];
         barycentric[corner] = 1.0;
         Self { triangle: triangle as u32, barycentric }

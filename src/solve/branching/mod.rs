@@ -28,12 +28,12 @@ mod support_box;
 mod terms;
 
 pub use branched_lattice::BranchedLattice;
-pub use continuation::continued;
-pub use inner_width::inner_widths;
+pub(crate) use continuation::continued;
+pub(crate) use inner_width::inner_widths;
 pub use link::{Link, LinkEnd, LinkKind};
 pub(crate) use nearest_point::nearest_barycentric;
-pub use rest_links::{nearest_link, surface_links};
-pub use solid_links::{link_length, solid_links};
+pub(crate) use rest_links::{nearest_link, surface_links};
+pub(crate) use solid_links::{link_length, solid_links};
 
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Shape};

@@ -30,7 +30,7 @@ const MAX_TOUCHING_ISLANDS: usize = 10_000;
 /// seams do not separate triangles. Where more than two triangles share an edge, all are linked. Islands are linked to the
 /// nearest other island within `radius`.
 #[must_use]
-pub fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], radius: f64) -> Vec<Link> {
+pub(crate) fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], radius: f64) -> Vec<Link> {
     let welded = merge_duplicates(&Shape::of_triangles(points.to_vec(), triangles.to_vec()));
     let mut sides: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * triangles.len());
     for (number, &[a, b, c]) in welded.triangles.iter().enumerate() {
@@ -62,7 +62,11 @@ type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
 
 /// Links two sets of triangles at their nearest corners; `None` if one of them is empty.
 #[must_use]
-pub fn nearest_link<const D: usize>(points: &[[f64; D]], triangles: &[[u32; 3]], sides: [&[usize]; 2]) -> Option<Link> {
+pub(crate) fn nearest_link<const D: usize>(
+    points: &[[f64; D]],
+    triangles: &[[u32; 3]],
+    sides: [&[usize]; 2],
+) -> Option<Link> {
     let corners = |side: &[usize]| -> Vec<Corner<D>> {
         let corner = |number: usize| Corner::new(points[triangles[number / 3][number % 3] as usize], number);
         side.iter().flat_map(|&triangle| 3 * triangle..3 * triangle + 3).map(corner).collect()

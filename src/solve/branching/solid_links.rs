@@ -26,7 +26,7 @@ type Boxed = GeomWithData<Rectangle<[f64; 3]>, usize>;
 
 /// Links through the inside of closed surfaces.
 #[must_use]
-pub fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
+pub(crate) fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
     let surface = Surface::of(points, triangles);
     let pitch = PITCH * surface.diagonal;
     let count = |corners: &[[f64; 3]; 3]| {
@@ -47,7 +47,7 @@ pub fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
 
 /// The distance between the ends of a link.
 #[must_use]
-pub fn link_length(link: &Link, points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
+pub(crate) fn link_length(link: &Link, points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     let [from, to] = link.ends.map(|end| end.point(points, triangles));
     distance(&from, &to)
 }

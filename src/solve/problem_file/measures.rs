@@ -54,7 +54,7 @@ struct Element {
 impl Measures {
     /// Measures all triangles of a shape that have rest area; `moved` is #vertices.
     #[must_use]
-    pub fn of<const D: usize>(shape: &Shape<D>, moved: &[[f64; D]]) -> Self {
+    pub(crate) fn of<const D: usize>(shape: &Shape<D>, moved: &[[f64; D]]) -> Self {
         let elements: Vec<Element> = shape
             .triangles
             .iter()

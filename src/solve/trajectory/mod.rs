@@ -12,7 +12,8 @@ mod knot;
 mod solved_knots;
 mod timeline;
 
-pub use timeline::{Coupling, TimedProblem, Timeline, knots_per_gib};
+pub(crate) use timeline::knots_per_gib;
+pub use timeline::{Coupling, TimedProblem, Timeline};
 
 use super::cancel::Cancel;
 use super::error::SolveError;

@@ -87,7 +87,7 @@ const TRIANGLE_BYTES: usize = 1024;
 /// lattice. Such a lattice has several copies of a handle where parts are close, and none away from the shape, so as a rule its
 /// copies are not more than the handles of a plain lattice.
 #[must_use]
-pub fn knots_per_gib<const D: usize>(grid: &Grid<D>, branching: Option<usize>) -> usize {
+pub(crate) fn knots_per_gib<const D: usize>(grid: &Grid<D>, branching: Option<usize>) -> usize {
     let handles = grid.handle_count();
     let apart = grid.basis.min_handles() - 1;
     let bandwidth = if grid.basis.is_local() { (0..D).map(|axis| apart * grid.stride(axis)).sum() } else { handles };
@@ -99,14 +99,14 @@ pub fn knots_per_gib<const D: usize>(grid: &Grid<D>, branching: Option<usize>) -
 impl Coupling {
     /// Number of knots.
     #[must_use]
-    pub fn knot_count(&self) -> usize {
+    pub(crate) fn knot_count(&self) -> usize {
         let frames = (self.last - self.first).max(0.0);
         (frames * f64::from(self.knots_per_frame) + 1e-9).floor() as usize + 1
     }
 
     /// Time of a knot, in frames.
     #[must_use]
-    pub fn knot_time(&self, knot: usize) -> f64 {
+    pub(crate) fn knot_time(&self, knot: usize) -> f64 {
         self.first + knot as f64 / f64::from(self.knots_per_frame)
     }
 }

@@ -11,7 +11,7 @@ macro_rules! names {
 }
 
 pub mod action;
-pub mod draw;
+pub(crate) mod draw;
 pub mod image;
 pub mod interact;
 pub mod param;

@@ -13,7 +13,8 @@ mod shared_part;
 
 pub(in crate::pipeline) use precedence::PartLayers;
 pub(in crate::pipeline) use rules::material_name;
-pub use shared_part::{LayerShare, SharedPart};
+pub(crate) use shared_part::LayerShare;
+pub use shared_part::SharedPart;
 
 use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;

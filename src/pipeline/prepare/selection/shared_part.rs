@@ -36,14 +36,14 @@ impl SharedPart {
 
     /// Returns how much of a triangle a layer moves: the mean over its corners; 0 for layers that do not move the part.
     #[must_use]
-    pub fn of_triangle(&self, layer: usize, corners: &[u32; 3]) -> f64 {
+    pub(crate) fn of_triangle(&self, layer: usize, corners: &[u32; 3]) -> f64 {
         let Some(column) = self.layers.iter().position(|&own| own == layer) else { return 0.0 };
         corners.iter().map(|&corner| f64::from(self.at(corner)[column])).sum::<f64>() / 3.0
     }
 
     /// Returns the layer that moves the most triangles of the part; `None` if most triangles are at rest.
     #[must_use]
-    pub fn most(&self) -> Option<usize> {
+    pub(crate) fn most(&self) -> Option<usize> {
         let count = |layer: Option<usize>| self.layer_of_triangle.iter().filter(|owner| **owner == layer).count();
         let candidates = std::iter::once(None).chain(self.layers.iter().copied().map(Some));
         candidates.max_by_key(|&layer| count(layer)).flatten()
@@ -59,7 +59,7 @@ impl SharedPart {
 
 /// How much of a part a layer moves.
 #[derive(Clone, Copy, Debug)]
-pub enum LayerShare<'a> {
+pub(crate) enum LayerShare<'a> {
     /// The whole part.
     Whole,
     /// Each vertex by its weight; holds the part and the layer's index.
@@ -69,7 +69,7 @@ pub enum LayerShare<'a> {
 impl LayerShare<'_> {
     /// Returns how much of a triangle the layer moves, 0 to 1.
     #[must_use]
-    pub fn of(&self, corners: &[u32; 3]) -> f64 {
+    pub(crate) fn of(&self, corners: &[u32; 3]) -> f64 {
         match self {
             Self::Whole => 1.0,
             Self::Shared(part, layer) => part.of_triangle(*layer, corners),
@@ -78,13 +78,13 @@ impl LayerShare<'_> {
 
     /// Returns how much of a vertex the layer moves, 0 to 1.
     #[must_use]
-    pub fn at(&self, vertex: u32) -> f64 {
+    pub(crate) fn at(&self, vertex: u32) -> f64 {
         self.of(&[vertex; 3])
     }
 
     /// Whether the layer moves some of a triangle.
     #[must_use]
-    pub fn meets(&self, corners: &[u32; 3]) -> bool {
+    pub(crate) fn meets(&self, corners: &[u32; 3]) -> bool {
         self.of(corners) > 0.0
     }
 }
