@@ -96,7 +96,8 @@ fn entries<const D: usize>(args: &CompareArgs, problem: &Problem<D>) -> anyhow::
         |method: &dyn Deformer<D>| args.methods.is_empty() || args.methods.iter().any(|key| key == method.key());
     let chosen: Vec<&dyn Deformer<D>> = known.iter().map(AsRef::as_ref).filter(|method| is_chosen(*method)).collect();
     let mut entries = Vec::new();
-    for basis in bases(&args.basis, problem.grid.basis) {
+    let published = known.iter().find_map(|method| method.basis());
+    for basis in bases(&args.basis, published, problem.grid.basis) {
         for method in &chosen {
             let entry = compare::run_on(*method, problem, basis);
             entries.push(entry.with_context(|| format!("method '{}', {}", method.key(), basis.label()))?);
@@ -106,10 +107,10 @@ fn entries<const D: usize>(args: &CompareArgs, problem: &Problem<D>) -> anyhow::
 }
 
 /// Returns the bases to compare: the chosen ones, or that of the published methods and that of the problem.
-fn bases(chosen: &[Basis], own: Basis) -> Vec<Basis> {
-    let all = if chosen.is_empty() { &[Basis::Bernstein, own] } else { chosen };
+fn bases(chosen: &[Basis], published: Option<Basis>, own: Basis) -> Vec<Basis> {
+    let default = if chosen.is_empty() { [published, Some(own)] } else { [None; 2] };
     let mut bases: Vec<Basis> = Vec::new();
-    for &basis in all {
+    for basis in default.into_iter().flatten().chain(chosen.iter().copied()) {
         if !bases.contains(&basis) {
             bases.push(basis);
         }

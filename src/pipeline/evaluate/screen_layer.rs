@@ -9,7 +9,7 @@ use super::part_triangle_ranges::{PartTriangleRanges, held_triangle};
 use super::screen_shape::{ScreenShape, screen_shape, screen_shape_with_starts};
 use super::whole_layer;
 use crate::lattice::Grid;
-use crate::pipeline::prepare::mirrored_pins::{MirroredPin, Reflection};
+use crate::pipeline::prepare::reflection::{MirroredPin, Reflection};
 use crate::pipeline::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample};
 use crate::screen::Camera;
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};

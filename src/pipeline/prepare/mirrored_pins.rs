@@ -1,17 +1,18 @@
-//! Mirrored pins: the plane at which they are reflected, the point to which they are attached, and their targets.
+//! Attaches pins that follow others to the mirrored points of the model.
 //!
-//! In: a shot with pins that follow others, the scene at rest. Out: [`MirroredPin`]s, and their [`Reflection`] at a time.
+//! In: a shot with such pins, whose others are attached, and the scene at rest. Out: their anchors, and [`MirroredPin`]s.
 
+use super::reflection::MirroredPin;
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::symmetry::Symmetry;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::pose::Pose;
-use crate::screen::{Camera, primitive};
+use crate::screen::primitive;
 use crate::shot::{AxisPlane, Mirror, Shot, Source};
 use crate::solve::nearest_barycentric;
-use crate::space::{ScreenPoint, ScreenVector};
+use crate::space::ScreenPoint;
 use crate::spelling::other_side;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
 /// Fraction of the surface that a plane has to map onto the surface to be used.
@@ -19,64 +20,6 @@ const LEAST_MET: f64 = 0.5;
 
 /// Distance of a mirrored point from the surface, in diagonals of the model, above which the user is told.
 const FAR: f64 = 0.03;
-
-/// A pin that takes the keys of another one, mirrored.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::pipeline) struct MirroredPin {
-    /// The anchor of the other pin.
-    pub(in crate::pipeline) source: PinAnchor,
-    /// The node with which the plane moves; `None`: it rests.
-    carrier: Option<usize>,
-    /// Normal of the plane in the space of that node.
-    normal: DVec3,
-}
-
-/// A reflection of directions at one time, in scene space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::pipeline) struct Reflection {
-    normal: DVec3,
-}
-
-impl MirroredPin {
-    /// Returns the reflection at the time of a pose.
-    pub(in crate::pipeline) fn reflection(&self, pose: &Pose) -> Reflection {
-        let normal = self.carrier.map_or(self.normal, |node| {
-            // Normals are transformed by the inverse transpose.
-            let scene_from_carrier = DMat3::from_mat4(pose.scene_from_node[node].as_dmat4());
-            scene_from_carrier.inverse().transpose() * self.normal
-        });
-        Reflection { normal: normal.normalize_or(DVec3::X) }
-    }
-}
-
-impl Reflection {
-    /// Returns the reflection of a direction in scene space.
-    pub(in crate::pipeline) fn direction(&self, direction: DVec3) -> DVec3 {
-        direction - 2.0 * self.normal.dot(direction) * self.normal
-    }
-
-    /// Returns the gradient that is the mirror image of a gradient in scene space: S G S, S the reflection.
-    pub(in crate::pipeline) fn gradient(&self, gradient: DMat3) -> DMat3 {
-        let reflect = DMat3::from_cols(self.direction(DVec3::X), self.direction(DVec3::Y), self.direction(DVec3::Z));
-        reflect * gradient * reflect
-    }
-
-    /// Returns the reflection of a direction on the screen; what turns it away from the view plane is lost.
-    pub(in crate::pipeline) fn on_screen(&self, camera: &Camera, direction: ScreenVector) -> ScreenVector {
-        let normal = self.in_view(camera);
-        let across = DVec2::new(normal.x, normal.y);
-        ScreenVector(direction.0 - 2.0 * across.dot(direction.0) * across)
-    }
-
-    /// Returns the factor of angles on the screen: −1 for a model seen from the front, 1 for one seen from the side.
-    pub(in crate::pipeline) fn turn(&self, camera: &Camera) -> f64 {
-        2.0 * self.in_view(camera).z.powi(2) - 1.0
-    }
-
-    fn in_view(&self, camera: &Camera) -> DVec3 {
-        camera.view_from_scene().transform_vector3(self.normal)
-    }
-}
 
 /// Attaches the mirrored pins of all layers, whose followed pins are attached already.
 pub(in crate::pipeline) fn attach(prepared: &mut PreparedShot) -> Result<(), PipelineError> {

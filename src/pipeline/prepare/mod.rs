@@ -13,6 +13,7 @@ pub(super) mod mesh_resolution;
 pub(super) mod mirrored_pins;
 pub(super) mod missing_files;
 pub(super) mod prepared_shot;
+pub(super) mod reflection;
 pub(super) mod rest_links;
 pub(super) mod rest_mesh;
 pub(super) mod selection;

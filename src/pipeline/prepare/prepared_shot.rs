@@ -3,7 +3,7 @@
 
 use super::cameras::CameraSource;
 use super::layer_assignment::LayerAssignment;
-use super::mirrored_pins::MirroredPin;
+use super::reflection::MirroredPin;
 use super::stiffness::{Painted, PartStiffness};
 use super::transfer::Loaded;
 use crate::image::cryptomatte::MatteHeader;

@@ -11,17 +11,14 @@ use crate::solve::merge_duplicates::merge_duplicates;
 use crate::solve::problem::Shape;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of rounds. Each links every island to its nearest one and at least halves the number of islands, so this suffices for
 /// 2^20.
 const ROUNDS: usize = 20;
 
 /// Gap between two islands, in diagonals of the shape, up to which they touch.
-const TOUCHING: f64 = 0.005;
-
-/// Two islands are in contact where their gap is at most this multiple of that at their bridge.
-const CONTACT_FACTOR: f64 = 1.25;
+const TOUCHING: f64 = 0.01;
 
 /// Number of bridged islands above which contacts are not looked for.
 const MAX_TOUCHING_ISLANDS: usize = 10_000;
@@ -108,20 +105,21 @@ fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec
     bridges
 }
 
-/// Links bridged islands wherever they are about as near to each other as at their bridge, or touch: a lid is carried by the whole rim
-/// of its pot, a sword by the whole hand. With very many islands (grass) the bridges alone remain.
+/// Links islands that touch wherever they touch: a lid is carried by the whole rim of its pot, a sword by the whole hand. With very
+/// many islands (grass) the bridges alone remain.
 fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) -> Vec<Link> {
     let mut islands = DisjointSets::of(shape.triangles.len());
     links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
     let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| islands.root(triangle)).collect();
-    let near = TOUCHING * diagonal(&shape.points);
-    let mut partners: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+    let limit = TOUCHING * diagonal(&shape.points);
+    let mut partners: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
     for bridge in bridges {
         let [from, to] = bridge.ends.each_ref().map(|end| end.point(&shape.points, &shape.triangles));
-        let reach = near.max(CONTACT_FACTOR * distance(&from, &to));
-        let [from, to] = bridge.ends.each_ref().map(|end| roots[end.triangle as usize]);
-        partners.entry(from).or_default().push((to, reach));
-        partners.entry(to).or_default().push((from, reach));
+        if distance(&from, &to) <= limit {
+            let [from, to] = bridge.ends.each_ref().map(|end| roots[end.triangle as usize]);
+            partners.entry(from).or_default().insert(to);
+            partners.entry(to).or_default().insert(from);
+        }
     }
     if partners.is_empty() || partners.len() > MAX_TOUCHING_ISLANDS {
         return Vec::new();
@@ -143,8 +141,8 @@ fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) 
             continue;
         }
         let point = shape.points[vertex];
-        for &(partner, reach) in partners.get(&roots[triangle]).into_iter().flatten() {
-            let around = AABB::from_corners(point.map(|x| x - reach), point.map(|x| x + reach));
+        for &partner in partners.get(&roots[triangle]).into_iter().flatten() {
+            let around = AABB::from_corners(point.map(|x| x - limit), point.map(|x| x + limit));
             let others = tree.locate_in_envelope_intersecting(around).map(|leaf| leaf.data);
             let others = others.filter(|&other| roots[other] == partner);
             let ends = others.map(|other| {
@@ -153,7 +151,7 @@ fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) 
                 (distance(&end.point(&shape.points, &shape.triangles), &point), end)
             });
             let nearest = ends.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.triangle.cmp(&b.1.triangle)));
-            if let Some((_, end)) = nearest.filter(|(gap, _)| *gap <= reach) {
+            if let Some((_, end)) = nearest.filter(|(gap, _)| *gap <= limit) {
                 found.push(Link { ends: [LinkEnd::corner(triangle, corner % 3), end], kind: LinkKind::Across });
             }
         }
@@ -195,4 +193,41 @@ fn nearest_islands<const D: usize>(
     let mut found: Vec<(f64, [usize; 2])> = best.into_iter().flatten().collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of `count` quads along x, from height `low` to `high`.
+    fn strip(count: usize, [low, high]: [f64; 2]) -> (Vec<[f64; 2]>, Vec<[u32; 3]>) {
+        let points = (0..=count).flat_map(|k| [[k as f64, low], [k as f64, high]]).collect();
+        let quad = |k: usize| {
+            let a = 2 * k as u32;
+            [[a, a + 2, a + 3], [a, a + 3, a + 1]]
+        };
+        (points, (0..count).flat_map(quad).collect())
+    }
+
+    /// Places along x at which a lower and an upper strip are linked across the gap between them.
+    fn linked_places(gap: f64) -> Vec<f64> {
+        let (mut points, mut triangles) = strip(8, [0.0, 1.0]);
+        // Fewer quads above: vertices of one strip lie over the edges of the other.
+        let (above, others) = strip(4, [1.0 + gap, 2.0 + gap]);
+        let base = points.len() as u32;
+        points.extend(above.iter().map(|[x, y]| [2.0 * x, *y]));
+        triangles.extend(others.iter().map(|corners| corners.map(|corner| corner + base)));
+        let links = surface_links(&points, &triangles, 1.0);
+        let across = links.iter().filter(|link| link.kind == LinkKind::Across);
+        let mut places: Vec<f64> = across.map(|link| link.ends[0].point(&points, &triangles)[0]).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        places
+    }
+
+    #[test]
+    fn islands_that_touch_are_linked_along_their_contact_and_others_at_one_place() {
+        assert_eq!(linked_places(0.01), (0..=8).map(f64::from).collect::<Vec<_>>());
+        assert_eq!(linked_places(0.5).len(), 1);
+    }
 }
