@@ -25,12 +25,12 @@ const MET_WITHIN: f64 = 0.015;
 /// Mean distance of the surface from a plane, in diagonals, below which the plane contains the model instead of dividing it.
 const LEAST_EXTENT: f64 = 0.02;
 
-/// Advantage in the fraction met of an earlier plane over a parallel one, and over one across another axis: many a body is nearly its
-/// own mirror image from front to back, and less so from left to right where it holds something.
-const PREFERENCES: [f64; 2] = [0.03, 0.25];
+/// The axes across which a plane may lie, the preferred one first.
+const FAMILIES: [DVec3; 3] = [DVec3::X, DVec3::Z, DVec3::Y];
 
-/// Cosine above which two normals count as parallel.
-const PARALLEL: f64 = 0.95;
+/// Advantage in the fraction met of an earlier plane over one across the same axis, and over one across another axis: many a body is
+/// nearly its own mirror image from front to back, and less so from left to right where it holds something.
+const PREFERENCES: [f64; 2] = [0.03, 0.25];
 
 /// Maximum number of steps along normals.
 const EXACT_ROUNDS: usize = 6;
@@ -60,17 +60,14 @@ impl Symmetry {
         let surface = Surface::of(mesh);
         let [low, high] = mesh.bounds();
         let center = surface.probes.iter().map(|probe| probe.at).sum::<DVec3>() / surface.probes.len().max(1) as f64;
-        let mut best: Option<Self> = None;
+        let mut best: [Option<Self>; 3] = [None; 3];
         let mut consider = |found: Option<Self>| {
-            let is_better = |found: &Self| {
-                best.is_none_or(|best| {
-                    let is_parallel = found.normal.dot(best.normal).abs() > PARALLEL;
-                    found.met > best.met + PREFERENCES[usize::from(!is_parallel)]
-                })
-            };
-            best = found.filter(is_better).or(best);
+            if let Some(found) = found {
+                let best = &mut best[found.family()];
+                *best = preferred(*best, Some(found), PREFERENCES[0]);
+            }
         };
-        for normal in [DVec3::X, DVec3::Z, DVec3::Y] {
+        for normal in FAMILIES {
             for offset in [0.0, normal.dot(0.5 * (low + high))] {
                 consider(surface.rated(Self { normal, offset, met: 0.0 }));
             }
@@ -78,8 +75,20 @@ impl Symmetry {
         for normal in first_normals(&surface.probes, center) {
             consider(surface.improved(normal, center));
         }
-        best
+        best.into_iter().fold(None, |best, found| preferred(best, found, PREFERENCES[1]))
     }
+
+    /// Returns the index of the axis in [`FAMILIES`] that is nearest to the normal.
+    fn family(&self) -> usize {
+        let along = FAMILIES.map(|axis| self.normal.dot(axis).abs());
+        (0..3).fold(0, |best, axis| if along[axis] > along[best] { axis } else { best })
+    }
+}
+
+/// Returns the second plane if it is better than the first by more than `advantage`.
+fn preferred(first: Option<Symmetry>, second: Option<Symmetry>, advantage: f64) -> Option<Symmetry> {
+    let is_better = |second: &Symmetry| first.is_none_or(|first| second.met > first.met + advantage);
+    second.filter(is_better).or(first)
 }
 
 /// Returns the axes of the scene, then the principal axes of the points.
