@@ -364,3 +364,21 @@ fn random_limbs_leave_rest_and_come_back_without_a_jump() {
     eprintln!("{snaps} fast moves were spread between rests");
     assert!(snaps >= 3, "these limbs do not snap");
 }
+
+#[test]
+fn a_held_pose_stands_still() {
+    let still = [0.0; 4];
+    let pose = [0.6, 1.1, 1.1, 0.4];
+    let limb = keyed([true, true, false, false, true], &[(0.0, still), (20.0, pose), (30.0, pose), (48.0, still)]);
+    let trajectory = Trajectory::solve(&limb, Coupling { last: 48.0, ..coupling(WEIGHT) }, &Cancel::never());
+    let motion = Motion { limb: &limb, trajectory: Some(trajectory.expect("solved")) };
+    let held = motion.points(20.0);
+    assert!(farthest(&held, limb.points()) > 100.0);
+    for time in [21.0, 25.0, 30.0] {
+        assert_eq!(motion.points(time), held, "at {time}");
+    }
+    for time in [20.5, 24.25, 29.9] {
+        let moved = farthest(&motion.points(time), &held);
+        assert!(moved < 0.05, "{moved} px at {time}");
+    }
+}

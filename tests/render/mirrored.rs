@@ -130,6 +130,14 @@ fn a_plate_is_mirrored_about_its_middle() {
     assert!(whole.ends.iter().zip(&states).all(|(end, state)| (*end - state.target).0.length() < 1e-9));
 }
 
+#[test]
+fn a_plate_has_no_plane_in_depth() {
+    let text = "plate = \"a.####.png\"\nframes = { first = 1, last = 4 }\nsize = [192, 108]\n[[layer]]\n\
+                symmetry = { axis = \"z\", at = 0.5 }\n";
+    let error = fault(text);
+    assert!(error.contains("symmetry.axis: pictures and plates have no depth"), "{error}");
+}
+
 fn fault(text: &str) -> String {
     Shot::parse(text, Path::new("shot.toml")).expect_err(text).to_string()
 }

@@ -2,7 +2,6 @@
 //!
 //! In: raw layers. Out: [`Layer`]s, with the shot's step and strength applied.
 
-use super::mirror::plane;
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::{MAX_HANDLES_IN_ALL, Support};
@@ -66,7 +65,7 @@ impl Check<'_> {
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
             stiffness: self.stiffness(raw.stiffness, &key),
-            symmetry: raw.symmetry.map(plane),
+            symmetry: raw.symmetry.map(|raw| self.symmetry(raw, &key, shot)),
             pins,
             handles,
         }

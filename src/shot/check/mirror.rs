@@ -2,7 +2,7 @@
 //!
 //! In: all checked layers, and the pins that `mirror` names. Out: the layers, with [`Mirror`]s, keys and units set.
 
-use super::Check;
+use super::{Check, Kind, LayerDefaults};
 use crate::shot::raw::{RawAxis, RawMirror, RawSymmetry};
 use crate::shot::{AxisPlane, Layer, LayerSpace, Mirror, Pin};
 use crate::spelling;
@@ -10,17 +10,21 @@ use crate::spelling;
 /// What `mirror` of each pin names: #layers, then #pins.
 pub(super) type Followed = Vec<Vec<Option<RawMirror>>>;
 
-/// Returns the plane of a layer's `symmetry`.
-pub(super) const fn plane(raw: RawSymmetry) -> AxisPlane {
-    let axis = match raw.axis {
-        RawAxis::X => 0,
-        RawAxis::Y => 1,
-        RawAxis::Z => 2,
-    };
-    AxisPlane { axis, at: raw.at }
-}
-
 impl Check<'_> {
+    /// Returns the plane of a layer's `symmetry`.
+    pub(super) fn symmetry(&mut self, raw: RawSymmetry, layer: &str, shot: &LayerDefaults) -> AxisPlane {
+        let axis = match raw.axis {
+            RawAxis::X => 0,
+            RawAxis::Y => 1,
+            RawAxis::Z => 2,
+        };
+        if axis == 2 && shot.source != Kind::Scene {
+            let hint = "write \"x\" for left and right, \"y\" for top and bottom";
+            self.fault(&format!("{layer}.symmetry.axis"), "pictures and plates have no depth", hint);
+        }
+        AxisPlane { axis, at: raw.at }
+    }
+
     /// Resolves the names of followed pins and copies keys, unit, region and weight from them, where a mirrored pin has none of its own.
     pub(super) fn mirrored_pins(&mut self, layers: &mut [Layer], followed: &Followed) {
         let given: Vec<Layer> = layers.to_vec();

@@ -20,6 +20,7 @@ use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
 use crate::solve::winding::Winding;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
 const MOTION_FACTOR: f64 = 2.0;
@@ -73,6 +74,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     limits: Vec<f64>,
     /// Whether the weight of each interval was raised for the speed limit, and not just beside such intervals.
     is_spread: Vec<bool>,
+    /// The hold that each knot belongs to, ascending from 0: consecutive knots with the same problem share one state.
+    hold_of: Vec<usize>,
     /// Winding of the pins up to the last knot.
     winding: Winding,
     coupling: Coupling,
@@ -98,6 +101,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             weight,
             limits: Vec::new(),
             is_spread: Vec::new(),
+            hold_of: Vec::new(),
             winding: Winding::default(),
             coupling: *coupling,
             diagonal,
@@ -129,6 +133,26 @@ impl<'a, const D: usize> Chain<'a, D> {
             self.limits.push(limit);
             self.is_spread.push(false);
         }
+        self.hold_of.clear();
+        let mut hold = 0;
+        for index in 0..self.knots.len() {
+            let is_held = index > 0 && self.is_held(index - 1);
+            hold += usize::from(index > 0 && !is_held);
+            self.hold_of.push(hold);
+        }
+    }
+
+    /// Whether the knots at both ends of an interval have the same problem.
+    fn is_held(&self, interval: usize) -> bool {
+        match &self.knots[interval..=interval + 1] {
+            [Some(knot), Some(next)] => next.is_held_by(knot),
+            _ => false,
+        }
+    }
+
+    /// The knots of a hold.
+    fn knots_of(&self, hold: usize) -> Range<usize> {
+        self.hold_of.partition_point(|&other| other < hold)..self.hold_of.partition_point(|&other| other <= hold)
     }
 
     /// Removes the first `count` knots and the intervals that begin at them. The first remaining knot becomes final.
@@ -146,6 +170,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         let front = front.collect();
         drop(settled);
         self.limits.drain(..intervals);
+        self.hold_of.clear();
         self.forward_count -= count;
         self.settled = 1;
         front
@@ -178,6 +203,9 @@ impl<'a, const D: usize> Chain<'a, D> {
             let (before, rest) = self.knots.split_at_mut(index);
             let Some(knot) = rest[0].as_mut().filter(|knot| !knot.holds_rest) else { continue };
             match before.last() {
+                Some(Some(before)) if self.hold_of[index] == self.hold_of[index - 1] => {
+                    knot.displacement = before.displacement.clone();
+                }
                 Some(Some(before)) => {
                     knot.start_from(&before.displacement);
                     let points = &before.displacement.points;
@@ -192,19 +220,20 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(())
     }
 
-    /// Sweeps until no knot moves by more than `tolerance` box diagonals. Knots before `first - 1` are solved only if a neighbour
-    /// moves.
+    /// Sweeps until no knot moves by more than `tolerance` box diagonals. Holds before that of the knot `first - 1` are solved only if a
+    /// neighbour moves.
     fn settle(&mut self, first: usize, tolerance: f64) -> Result<(), SolveError> {
-        let count = self.knots.len();
-        let mut is_stale: Vec<bool> = (0..count).map(|index| index + 1 >= first).collect();
+        let count = self.hold_of.last().map_or(0, |hold| hold + 1);
+        let first_hold = self.hold_of.get(first).copied().unwrap_or(count);
+        let mut is_stale: Vec<bool> = (0..count).map(|hold| hold + 1 >= first_hold).collect();
         for half_sweep in 0..2 * SWEEPS {
             self.cancel.check()?;
-            let is_due = |index: &usize| index % 2 == half_sweep % 2 && std::mem::take(&mut is_stale[*index]);
+            let is_due = |hold: &usize| hold % 2 == half_sweep % 2 && std::mem::take(&mut is_stale[*hold]);
             let due: Vec<usize> = (0..count).filter(is_due).collect();
-            for (index, moved) in self.relax(&due)? {
+            for (hold, moved) in self.relax(&due)? {
                 if moved > tolerance * self.diagonal {
-                    is_stale[index.saturating_sub(1)..(index + 2).min(count)].fill(true);
-                    is_stale[index] = false;
+                    is_stale[hold.saturating_sub(1)..(hold + 2).min(count)].fill(true);
+                    is_stale[hold] = false;
                 }
             }
             if !is_stale.contains(&true) {
@@ -214,20 +243,28 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(())
     }
 
-    /// Minimises over each of these knots, no two of which are neighbours, with all others fixed; returns them with the largest
-    /// move of their points.
+    /// Minimises over each of these holds, no two of which are neighbours, with all others fixed; returns them with the largest
+    /// move of their points. The knots of a hold have one state, whose energy counts for each of them.
     fn relax(&mut self, due: &[usize]) -> Result<Vec<(usize, f64)>, SolveError> {
-        let mut taken: Vec<(usize, Option<Knot<D>>)> =
-            due.iter().map(|&index| (index, self.knots[index].take())).collect();
+        let mut taken: Vec<(usize, Range<usize>, Option<Knot<D>>)> = Vec::with_capacity(due.len());
+        for &hold in due {
+            let range = self.knots_of(hold);
+            let knot = self.knots[range.start].take();
+            taken.push((hold, range, knot));
+        }
         let (knots, weights, settled) = (&self.knots, &self.weights, self.settled);
-        let relaxed = taken.par_iter_mut().filter(|(index, _)| *index >= settled).map(|(index, knot)| {
-            let states = [index.checked_sub(1), Some(*index + 1)].map(|index| state(knots, index));
-            let Some(knot) = knot else { return Ok((*index, 0.0)) };
-            Ok((*index, relax(knot, states, weights_beside(weights, *index))?))
+        let relaxed = taken.par_iter_mut().map(|(hold, range, knot)| {
+            let states = [range.start.checked_sub(1), Some(range.end)].map(|index| state(knots, index));
+            let Some(knot) = knot.as_mut().filter(|_| range.start >= settled) else { return Ok((*hold, 0.0)) };
+            let beside = [weights_beside(weights, range.start)[0], weights_beside(weights, range.end - 1)[1]];
+            Ok((*hold, relax(knot, states, beside.map(|weight| weight / range.len() as f64))?))
         });
         let moves = relaxed.collect();
-        for (index, knot) in taken {
-            self.knots[index] = knot;
+        for (_, range, knot) in taken {
+            let displacement = knot.as_ref().map(|knot| knot.displacement.clone());
+            self.knots[range.start] = knot;
+            let Some(displacement) = displacement else { continue };
+            self.knots[range].iter_mut().skip(1).flatten().for_each(|held| held.displacement = displacement.clone());
         }
         moves
     }
@@ -275,6 +312,10 @@ impl<'a, const D: usize> Chain<'a, D> {
         let least_speed = self.coupling.least_speed;
         let interior = |index: usize| {
             let [Some(knot), Some(next)] = &knots[index..=index + 1] else { return Interior::Coupled };
+            // The model stands still during a hold.
+            if next.is_held_by(knot) {
+                return Interior::Interpolated;
+            }
             // Motion between two drawings is discontinuous on purpose.
             if knot.drawing != next.drawing {
                 return Interior::Coupled;

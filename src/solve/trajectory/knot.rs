@@ -103,6 +103,15 @@ impl<const D: usize> Knot<D> {
         self.holds_rest = self.is_resting && !winding.is_wound();
     }
 
+    /// Whether another time has the same problem, as where keys hold a pose over a still model.
+    pub(crate) fn is_held_by(&self, other: &Self) -> bool {
+        self.drawing == other.drawing
+            && self.grid() == other.grid()
+            && self.points == other.points
+            && self.goal() == other.goal()
+            && self.displacement.copies == other.displacement.copies
+    }
+
     /// Sets the state to that of another time. Copies of handles that did not exist then are interpolated from the others and the
     /// points.
     pub(crate) fn start_from(&mut self, state: &Displacement<D>) {
