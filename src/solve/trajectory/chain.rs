@@ -31,6 +31,10 @@ const SWEEPS: usize = 40;
 /// Largest number of changes of the weights.
 const MAX_WEIGHT_UPDATES: usize = 30;
 
+/// Number of relaxations for each knot after which a chain stays as it is, in the plane and in space, where one takes a hundred times as
+/// long. In the plane hardly any chain needs a third of them.
+const MAX_RELAXATIONS: [usize; 2] = [1000, 60];
+
 /// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
 
@@ -76,6 +80,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     is_spread: Vec<bool>,
     /// The hold that each knot belongs to, ascending from 0: consecutive knots with the same problem share one state.
     hold_of: Vec<usize>,
+    /// Relaxations that are left.
+    remaining: usize,
     /// Winding of the pins up to the last knot.
     winding: Winding,
     coupling: Coupling,
@@ -102,6 +108,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             limits: Vec::new(),
             is_spread: Vec::new(),
             hold_of: Vec::new(),
+            remaining: 0,
             winding: Winding::default(),
             coupling: *coupling,
             diagonal,
@@ -113,6 +120,7 @@ impl<'a, const D: usize> Chain<'a, D> {
 
     /// Appends knots, and the intervals that lead to them.
     pub(crate) fn extend(&mut self, mut knots: Vec<Option<Knot<D>>>) {
+        self.remaining += MAX_RELAXATIONS[usize::from(D > 2)] * knots.len();
         for knot in &mut knots {
             match knot {
                 Some(knot) => knot.follow_winding(&mut self.winding),
@@ -183,6 +191,9 @@ impl<'a, const D: usize> Chain<'a, D> {
         self.settle(first, TOLERANCE)?;
         let mut tolerance = TOLERANCE;
         for _ in 0..MAX_WEIGHT_UPDATES {
+            if self.remaining == 0 {
+                return Ok(());
+            }
             if self.raise_weights() {
                 tolerance = COARSE_TOLERANCE;
             } else if tolerance == TOLERANCE {
@@ -236,7 +247,8 @@ impl<'a, const D: usize> Chain<'a, D> {
                     is_stale[hold] = false;
                 }
             }
-            if !is_stale.contains(&true) {
+            self.remaining = self.remaining.saturating_sub(due.len());
+            if !is_stale.contains(&true) || self.remaining == 0 {
                 break;
             }
         }
