@@ -79,7 +79,7 @@ version = 1
 scene   = {scene}
 {camera}
 {hide}{clips}
-frames  = {{ first = {first}, last = {last}, rate = {rate} }}
+frames  = {{ first = {first}, last = {last}, rate = {rate}{clip_start} }}
 solve_range = [{first}, {last}]           # over which frames are solved together; keep it where you trim `frames`
 size    = [{width}, {height}]
 {pixel_aspect}samples = 16                              # more: smoother edges and blur, slower
@@ -90,6 +90,8 @@ shutter = {{ angle = 180, phase = -90 }}    # motion blur centred on the frame; 
 # strength = 1.0                          # all pins at once; 0: no warp
 ",
         aspect = facts.size.aspect(),
+        // Without it the clip starts in the first frame, so trimming would shift it.
+        clip_start = if facts.clips.is_empty() { String::new() } else { format!(", clip_start = {first}") },
         pixel_aspect = if pixel_aspect == 1.0 { String::new() } else { format!("pixel_aspect = {pixel_aspect:?}\n") },
     )
 }
@@ -156,7 +158,7 @@ fn clips(facts: &TemplateFacts) -> String {
     // All clips are listed, as the user chooses from them.
     let lines: Vec<String> = clips.chunks(CLIPS_PER_LINE).map(|clips| clips.join(", ")).collect();
     format!(
-        "## Clips: {}; the first is used.\n## In frames: clip = \"..\", clip_start = 1, loop = true.",
+        "## Clips: {}; the first is used.\n## In frames: clip = \"..\", loop = true.",
         lines.join(",\n##        ")
     )
 }

@@ -204,8 +204,10 @@ impl CameraContext<'_> {
 
     /// Returns the poses in the first, middle and last frame of the shot.
     fn poses(&self) -> [Pose; 3] {
-        let frames = self.shot.frames;
-        let times = [frames.first, frames.first.midpoint(frames.last), frames.last];
+        let (frames, [first, last]) = (self.shot.frames, self.shot.solve_range);
+        // Frames that are trimmed within the range that is solved keep their camera.
+        let [first, last] = [first.min(frames.first), last.max(frames.last)];
+        let times = [first, first.midpoint(last), last];
         times.map(|frame| pose(self.scene, self.clip, frames.seconds(f64::from(frame))))
     }
 }

@@ -4,9 +4,10 @@
 //! In: problems at the times of the knots. Out: the states of the knots and the weights ω.
 //!
 //! A forward pass solves every knot from the state of the previous one. Block Gauss-Seidel sweeps in red-black order then minimise
-//! the sum, so that the motion does not lag behind the pins: knots of one colour have fixed neighbours, so all of them are solved
-//! at once (Y. Saad, "Iterative Methods for Sparse Linear Systems", 2003, section 12.4.1). Long chains are solved in overlapping
-//! windows: the first half of a window becomes final, the second half is solved again with the knots that follow.
+//! the sum, so that the motion does not lag behind the pins. A block is a hold: consecutive knots with one problem, which share a
+//! state. Blocks of one colour have fixed neighbours, so all of them are solved at once (Y. Saad, "Iterative Methods for Sparse
+//! Linear Systems", 2003, section 12.4.1). Long chains are solved in overlapping windows: the first half of a window becomes final,
+//! the second half is solved again with the knots that follow.
 //!
 //! ω_k starts as the user's weight. Where the model moves farther between two knots than the motion of pins, surface and rigid fit
 //! allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed limit (J. Nocedal and S. Wright,
