@@ -157,10 +157,7 @@ fn clips(facts: &TemplateFacts) -> String {
     let clips: Vec<String> = facts.clips.iter().map(clip).collect();
     // All clips are listed, as the user chooses from them.
     let lines: Vec<String> = clips.chunks(CLIPS_PER_LINE).map(|clips| clips.join(", ")).collect();
-    format!(
-        "## Clips: {}; the first is used.\n## In frames: clip = \"..\", loop = true.",
-        lines.join(",\n##        ")
-    )
+    format!("## Clips: {}; the first is used.\n## In frames: clip = \"..\", loop = true.", lines.join(",\n##        "))
 }
 
 fn layer(facts: &TemplateFacts) -> String {
