@@ -34,4 +34,4 @@ pub use editor::Editor;
 pub use eframe::egui::Theme;
 pub use options::EditorOptions;
 pub use screenshot::screenshot;
-pub(crate) use window::run;
+pub use window::run;

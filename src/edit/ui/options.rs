@@ -18,7 +18,7 @@ pub struct EditorOptions {
 impl EditorOptions {
     /// Uses the system's folder for application state.
     #[must_use]
-    pub(crate) fn new(device: DeviceChoice, access: FileAccess) -> Self {
+    pub fn new(device: DeviceChoice, access: FileAccess) -> Self {
         let given = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let state = given("XDG_STATE_HOME").or_else(|| Some(given("HOME")?.join(".local/state")));
         let state = state.or_else(|| given("LOCALAPPDATA")).unwrap_or_else(std::env::temp_dir);

@@ -32,6 +32,9 @@ const FAMILIES: [DVec3; 3] = [DVec3::X, DVec3::Z, DVec3::Y];
 /// nearly its own mirror image from front to back, and less so from left to right where it holds something.
 const PREFERENCES: [f64; 2] = [0.03, 0.25];
 
+/// Maximum advantage of an earlier plane, as a fraction of what is missing to an exact symmetry.
+const MISSING_FRACTION: f64 = 0.75;
+
 /// Maximum number of steps along normals.
 const EXACT_ROUNDS: usize = 6;
 
@@ -85,9 +88,12 @@ impl Symmetry {
     }
 }
 
-/// Returns the second plane if it is better than the first by more than `advantage`.
+/// Returns the second plane if it is better than the first by more than the first one's advantage, which is less where little is missing
+/// to an exact symmetry.
 fn preferred(first: Option<Symmetry>, second: Option<Symmetry>, advantage: f64) -> Option<Symmetry> {
-    let is_better = |second: &Symmetry| first.is_none_or(|first| second.met > first.met + advantage);
+    let is_better = |second: &Symmetry| {
+        first.is_none_or(|first| second.met > first.met + advantage.min(MISSING_FRACTION * (1.0 - first.met)))
+    };
     second.filter(is_better).or(first)
 }
 
@@ -288,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_lopsided_figure_is_met_in_part() {
-        let found = Symmetry::of(&figure(0.0, [0.8, 0.1])).expect("a plane");
+        let found = Symmetry::of(&figure(0.0, [0.8, 0.5])).expect("a plane");
         assert!((0.5..0.95).contains(&found.met) && found.normal.x.abs() > 0.999, "{found:?}");
     }
 

@@ -34,7 +34,7 @@ const MAX_WEIGHT_UPDATES: usize = 30;
 
 /// Number of relaxations for each knot after which a chain stays as it is, in the plane and in space, where one takes a hundred times as
 /// long. In the plane hardly any chain needs a third of them.
-const MAX_RELAXATIONS: [usize; 2] = [1000, 60];
+const MAX_RELAXATIONS: [usize; 2] = [1000, 30];
 
 /// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
