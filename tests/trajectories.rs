@@ -345,24 +345,21 @@ fn frames_whose_pins_rest_are_at_rest_whatever_is_between_them() {
 #[test]
 fn random_limbs_leave_rest_and_come_back_without_a_jump() {
     let still = |limb: &Limb, frame: f64| Key { frame, bones: vec![[0.0, 1.0]; limb.rest.len()] };
-    let mut snaps = 0;
     for seed in 0..24 {
         let limb = Limb::random(seed, 0.3, LAST);
         let posed = Key { frame: 0.5 * LAST, ..limb.keys[1].clone() };
         let keys = vec![still(&limb, 0.0), posed, still(&limb, LAST)];
         let limb = Limb::new(limb.rest, limb.is_pinned, keys);
         let motion = Motion::new(&limb, WEIGHT);
-        snaps += motion.trajectory.as_ref().map_or(0, |trajectory| trajectory.spreads().len());
         let frames: Vec<Vec<[f64; 2]>> = (0..=LAST as usize).map(|frame| motion.points(frame as f64)).collect();
         let moved = [0, LAST as usize].map(|frame| farthest(&frames[frame], limb.points()));
         assert!(moved.iter().all(|moved| *moved < 1e-6), "seed {seed}: {moved:?} px from rest");
+        assert!(farthest(&frames[LAST as usize / 2], limb.points()) > 10.0, "seed {seed} hardly moves");
         for (frame, pair) in frames.windows(2).enumerate() {
             let jump = motion.jump((frame as f64, &pair[0]), (frame as f64 + 1.0, &pair[1]));
             assert!(jump <= 1.0, "seed {seed}: a jump of {jump} px after frame {frame}");
         }
     }
-    eprintln!("{snaps} fast moves were spread between rests");
-    assert!(snaps >= 3, "these limbs do not snap");
 }
 
 #[test]

@@ -33,7 +33,9 @@ impl<const D: usize> SolvedKnots<D> {
     pub(super) fn proximal(&self, interval: usize, s: f64, weight: f64) -> Option<Proximal<D>> {
         let [Some(from), Some(to)] = &self.states[interval..=interval + 1] else { return None };
         let mut displacement = from.interpolated(to, s);
-        let cubic = 1.0 - self.weights[interval] / weight;
+        // The model stands still between two knots of a hold, whatever comes before and after.
+        let is_held = from.points == to.points;
+        let cubic = if is_held { 0.0 } else { 1.0 - self.weights[interval] / weight };
         if cubic > 0.0 {
             let [before, after] = [interval.checked_sub(1), Some(interval + 1)].map(|index| self.tie(index, interval));
             for (index, point) in displacement.points.iter_mut().enumerate() {
