@@ -29,6 +29,16 @@ impl<const D: usize> Shape<D> {
     pub fn of_triangles(points: Vec<[f64; D]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { points, triangles, ..Self::default() }
     }
+
+    /// Returns the length of the diagonal of the bounding box; 0 without points.
+    pub(super) fn diagonal(&self) -> f64 {
+        let side = |d: usize| {
+            let values = self.points.iter().map(|point| point[d]);
+            let [low, high] = [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)];
+            (high - low).max(0.0)
+        };
+        (0..D).map(|d| side(d).powi(2)).sum::<f64>().sqrt()
+    }
 }
 
 /// A point of the model at rest.

@@ -2,7 +2,7 @@
 //!
 //! In: a path. Out: rotation angles of pairs, unwrapped along the path, and the path in small steps.
 
-use super::linalg::small_matrix::{distance, minus};
+use super::linalg::small_matrix::{dot, minus};
 use super::targets::Targets;
 use crate::lattice::Grid;
 use std::f64::consts::{PI, TAU};
@@ -63,30 +63,28 @@ impl Winding {
 
 /// Distances of pairs of targets relative to those of their rest positions, in the order of [`angles`].
 fn distance_ratios<const D: usize>(grid: &Grid<D>, targets: &Targets<D>) -> Vec<f64> {
-    let ends = targets.ends(grid);
-    let mut ratios = Vec::new();
-    for (first, a) in ends.iter().enumerate() {
-        for b in ends.iter().skip(first + 1).take(PARTNERS) {
-            let rest = distance(&b[0], &a[0]);
-            ratios.push(if rest > 0.0 { distance(&b[1], &a[1]) / rest } else { 0.0 });
-        }
-    }
-    ratios
+    let ratio = |[rest, now]: [[f64; D]; 2]| {
+        let [rest, now] = [rest, now].map(|between| dot(&between, &between).sqrt());
+        if rest > 0.0 { now / rest } else { 0.0 }
+    };
+    pairs(&targets.ends(grid)).map(ratio).collect()
 }
 
 /// Angles of pairs and gradients at one point of the path, each within ±π.
 fn angles<const D: usize>(grid: &Grid<D>, targets: &Targets<D>) -> Vec<f64> {
     let ends = targets.ends(grid);
-    let mut found = Vec::new();
-    for (first, a) in ends.iter().enumerate() {
-        for b in ends.iter().skip(first + 1).take(PARTNERS) {
-            let (rest, now) = (minus(&b[0], &a[0]), minus(&b[1], &a[1]));
-            found.push((rest[0] * now[1] - rest[1] * now[0]).atan2(rest[0] * now[0] + rest[1] * now[1]));
-        }
-    }
+    let angle =
+        |[rest, now]: [[f64; D]; 2]| (rest[0] * now[1] - rest[1] * now[0]).atan2(rest[0] * now[0] + rest[1] * now[1]);
     let gradients = targets.pins.iter().filter_map(|pin| pin.gradient);
-    found.extend(gradients.map(|g| (g[0][1] - g[1][0]).atan2(g[0][0] + g[1][1])));
-    found
+    let of_gradients = gradients.map(|g| (g[0][1] - g[1][0]).atan2(g[0][0] + g[1][1]));
+    pairs(&ends).map(angle).chain(of_gradients).collect()
+}
+
+/// The vectors between the points of each pair, at rest and between their targets.
+fn pairs<const D: usize>(ends: &[[[f64; D]; 2]]) -> impl Iterator<Item = [[f64; D]; 2]> {
+    ends.iter().enumerate().flat_map(|(first, a)| {
+        ends.iter().skip(first + 1).take(PARTNERS).map(move |b| [minus(&b[0], &a[0]), minus(&b[1], &a[1])])
+    })
 }
 
 fn wrapped(angle: f64) -> f64 {

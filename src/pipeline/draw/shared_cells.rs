@@ -3,7 +3,7 @@
 //! In: a layer and its solved state. Out: a warning for the worst pair.
 
 use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
-use crate::pipeline::evaluate::part_triangle_ranges::triangles_of;
+use crate::pipeline::evaluate::part_triangle_ranges::held_triangles;
 use crate::pipeline::{LayerState, PinAnchor, PinState};
 use crate::shot::{Layer, LayerSpace};
 use crate::solve::SolveReport;
@@ -63,8 +63,8 @@ pub(in crate::pipeline) fn warning(
 fn on_different_branches(state: &LayerState, anchors: &[PinAnchor], pair: &Pair) -> bool {
     let branches = state.solution.as_ref().and_then(|solution| solution.branches.as_ref());
     let branch = |pin: &PinState| {
-        let PinAnchor::Surface { part, triangle, .. } = *anchors.get(pin.pin)? else { return None };
-        Some(branches?.branch_within(triangles_of(&state.starts, part, triangle)?, pin.rest.0.to_array()))
+        let triangles = held_triangles(anchors.get(pin.pin)?, &state.starts)?;
+        Some(branches?.branch_within(triangles, pin.rest.0.to_array()))
     };
     let [one, other] = pair.pins.map(branch);
     one.zip(other).is_some_and(|(one, other)| one != other)

@@ -15,8 +15,13 @@ pub(in crate::pipeline) struct PartTriangleRanges {
 
 /// Returns the triangle of the shape to which a pin is attached.
 pub(in crate::pipeline) fn held_triangle(anchor: &PinAnchor, parts: &[PartTriangleRanges]) -> Option<u32> {
+    Some(held_triangles(anchor, parts)?.start as u32)
+}
+
+/// Returns the triangles of the shape that come from the triangle to which a pin is attached.
+pub(in crate::pipeline) fn held_triangles(anchor: &PinAnchor, parts: &[PartTriangleRanges]) -> Option<Range<usize>> {
     let PinAnchor::Surface { part, triangle, .. } = *anchor else { return None };
-    Some(triangles_of(parts, part, triangle)?.start as u32)
+    triangles_of(parts, part, triangle)
 }
 
 /// Returns the triangles of the shape that come from a triangle of a part; `None` if there are none.

@@ -9,9 +9,8 @@ use super::part_triangle_ranges::{PartTriangleRanges, held_triangle};
 use super::screen_shape::{ScreenShape, screen_shape, screen_shape_with_starts};
 use super::whole_layer;
 use crate::lattice::Grid;
-use crate::pipeline::prepare::reflection::{MirroredPin, Reflection};
+use crate::pipeline::prepare::reflection::{MirroredPin, ScreenReflection};
 use crate::pipeline::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample};
-use crate::screen::Camera;
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};
 use crate::solve::{Cancel, PointPin, SolveError, Solver, Targets, Topology};
 use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
@@ -56,8 +55,7 @@ pub(crate) struct LayerSolver {
 struct ScreenMirror {
     /// Position of the pin that it follows.
     source: ScreenPoint,
-    reflection: Reflection,
-    camera: Camera,
+    reflection: ScreenReflection,
 }
 
 /// The treatment of the edge of a layer's box.
@@ -165,8 +163,7 @@ fn screen_mirrors(prepared: &PreparedShot, sample: &TimeSample, task: &LayerTask
     let mesh = sample.mesh();
     let mirror = |mirrored: &MirroredPin| ScreenMirror {
         source: mirrored.source.rest(&mesh, &sample.camera).point,
-        reflection: mirrored.reflection(&sample.pose),
-        camera: sample.camera,
+        reflection: mirrored.reflection(&sample.pose).seen_by(&sample.camera),
     };
     prepared.mirrored_pins_of(task.index).iter().map(|pin| pin.as_ref().map(mirror)).collect()
 }
@@ -275,7 +272,7 @@ impl LayerSolver {
         let mut turned = Cow::Borrowed(targets);
         for (pin, mirror) in self.mirrored.iter().enumerate() {
             let (Some(mirror), Some(Rotation::InView(angle))) = (mirror, targets.pins[pin].rotation) else { continue };
-            let angle = angle * mirror.reflection.turn(&mirror.camera);
+            let angle = angle * mirror.reflection.turn();
             turned.to_mut().pins[pin].rotation = Some(Rotation::InView(angle));
         }
         turned
@@ -307,7 +304,7 @@ impl LayerSolver {
                 // Goals of world layers, which the shot checks refuse for screen layers.
                 Goal::SceneOffset(_) | Goal::SceneTarget(_) => ScreenVector::default(),
             };
-            let goal = rest.point + mirror.map_or(offset, |mirror| mirror.reflection.on_screen(&mirror.camera, offset));
+            let goal = rest.point + mirror.map_or(offset, |mirror| mirror.reflection.direction(offset));
             let is_turned = target.rotation.is_some() || target.log_scale.is_some();
             // If the border rests, the discs of the flow rotate and scale instead.
             let gradient = (is_turned && self.border != Border::Rests).then(|| {

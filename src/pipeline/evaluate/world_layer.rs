@@ -171,6 +171,7 @@ impl<'a> WorldLayer<'a> {
                 let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
                 match self.prepared.shot.layers[self.index].pins[pin].unit {
                     OffsetUnit::Frame => in_box(turn),
+                    OffsetUnit::Box if reflection.is_none() => turn,
                     OffsetUnit::Box => in_box(axes * turn * axes.transpose()),
                 }
             }

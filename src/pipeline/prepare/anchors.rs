@@ -101,7 +101,7 @@ pub(in crate::pipeline) fn find(
 ) -> Result<(PinAnchor, Option<String>), PipelineError> {
     let layer = &shot.layers[place[0]];
     let pin = &layer.pins[place[1]];
-    let fault = |(what, hint)| mismatch(shot, place, (what, hint));
+    let fault = |(what, hint)| mismatch(shot, (place, "anchor"), (what, hint));
     let Anchor::Surface { node, primitive: wanted, triangle, barycentric, rest } = &pin.anchor else {
         return Err(fault(("is not a surface anchor".into(), "pick it again".into())));
     };
@@ -138,13 +138,13 @@ pub(in crate::pipeline) fn find(
     Ok((PinAnchor::Surface { part, triangle: *triangle, corners, barycentric: *barycentric }, note))
 }
 
-/// Creates the error for a pin that does not match the scene, from a description and a hint.
+/// Creates the error for a key of a pin that does not match the scene, from a description and a hint.
 pub(in crate::pipeline) fn mismatch(
     shot: &Shot,
-    [layer, pin]: [usize; 2],
+    ([layer, pin], key): ([usize; 2], &str),
     (what, hint): (String, String),
 ) -> PipelineError {
     let names = (&shot.layers[layer].name, &shot.layers[layer].pins[pin].name);
     let what = format!("layer '{}', pin '{}': {what}", names.0, names.1);
-    PipelineError::mismatch(shot, &format!("layer[{layer}].pin[{pin}].anchor"), what, hint)
+    PipelineError::mismatch(shot, &format!("layer[{layer}].pin[{pin}].{key}"), what, hint)
 }

@@ -2,13 +2,14 @@
 //!
 //! In: a shot with such pins, whose others are attached, and the scene at rest. Out: their anchors, and [`MirroredPin`]s.
 
+use super::anchors::mismatch;
 use super::reflection::MirroredPin;
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::symmetry::Symmetry;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::pose::Pose;
 use crate::screen::primitive;
-use crate::shot::{AxisPlane, Mirror, Shot, Source};
+use crate::shot::{AxisPlane, Mirror, Source};
 use crate::solve::nearest_barycentric;
 use crate::space::ScreenPoint;
 use crate::spelling::other_side;
@@ -79,7 +80,7 @@ fn plane_of(
         let what =
             format!("no plane of symmetry is found: the best one maps {share} % of the surface at rest onto itself");
         let hint = "give the layer one, symmetry = { axis = \"x\", at = 0.0 }, and the mirrored pin an `anchor`";
-        return Err(fault(&prepared.shot, place, (&what, hint)));
+        return Err(mismatch(&prepared.shot, (place, "mirror"), (what, hint.into())));
     };
     let note = format!(
         "layer '{}': mirrored pins are reflected at the plane {}, which maps {} % of the surface at rest onto itself",
@@ -127,14 +128,11 @@ impl Task<'_> {
 
     /// Returns the mirrored point of the followed pin's, and a note if the surface is not there.
     fn anchor(&self) -> Result<(PinAnchor, Option<String>), PipelineError> {
-        let (at, part) = match self.source {
+        let part = match self.source {
             PinAnchor::Screen(point) => return self.screen_anchor(point).map(|anchor| (anchor, None)),
-            PinAnchor::Surface { part, corners, barycentric, .. } => {
-                let place =
-                    |k: usize| self.rest.parts[part].positions[corners[k] as usize].0.as_dvec3() * barycentric[k];
-                (place(0) + place(1) + place(2), part)
-            }
+            PinAnchor::Surface { part, .. } => part,
         };
+        let at = self.source.in_scene(self.rest).expect("a point of a surface has a place in the scene");
         let image = self.plane.reflected(at);
         let own = &self.prepared.assignment.parts_of_layer[self.place[0]];
         let diagonal = RestMesh::of(&self.prepared.scene, self.rest, own).diagonal();
@@ -195,13 +193,6 @@ impl Task<'_> {
     }
 
     fn fault(&self, what: &str, hint: &str) -> PipelineError {
-        fault(&self.prepared.shot, self.place, (what, hint))
+        mismatch(&self.prepared.shot, (self.place, "mirror"), (what.into(), hint.into()))
     }
-}
-
-/// Creates the error for a mirrored pin that does not match the scene.
-fn fault(shot: &Shot, [layer, pin]: [usize; 2], (what, hint): (&str, &str)) -> PipelineError {
-    let names = (&shot.layers[layer].name, &shot.layers[layer].pins[pin].name);
-    let what = format!("layer '{}', pin '{}': {what}", names.0, names.1);
-    PipelineError::mismatch(shot, &format!("layer[{layer}].pin[{pin}].mirror"), what, hint)
 }

@@ -149,7 +149,7 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
                         let what = format!("there is no surface at {}, {} in frame {frame}", at.0.x, at.0.y);
                         anchors::mismatch(
                             &prepared.shot,
-                            [index, number],
+                            ([index, number], "anchor"),
                             (what, "move the anchor onto the model".into()),
                         )
                     })?;

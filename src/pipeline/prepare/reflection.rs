@@ -6,7 +6,7 @@ use crate::pipeline::PinAnchor;
 use crate::pose::Pose;
 use crate::screen::Camera;
 use crate::space::ScreenVector;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec3};
 
 /// A pin that takes the keys of another one, mirrored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,19 +49,28 @@ impl Reflection {
         reflect * gradient * reflect
     }
 
+    /// Returns the reflection as a camera sees it.
+    pub(in crate::pipeline) fn seen_by(&self, camera: &Camera) -> ScreenReflection {
+        ScreenReflection { normal: camera.view_from_scene().transform_vector3(self.normal) }
+    }
+}
+
+/// A reflection at one time as seen by a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::pipeline) struct ScreenReflection {
+    /// In view space.
+    normal: DVec3,
+}
+
+impl ScreenReflection {
     /// Returns the reflection of a direction on the screen; what turns it away from the view plane is lost.
-    pub(in crate::pipeline) fn on_screen(&self, camera: &Camera, direction: ScreenVector) -> ScreenVector {
-        let normal = self.in_view(camera);
-        let across = DVec2::new(normal.x, normal.y);
+    pub(in crate::pipeline) fn direction(&self, direction: ScreenVector) -> ScreenVector {
+        let across = self.normal.truncate();
         ScreenVector(direction.0 - 2.0 * across.dot(direction.0) * across)
     }
 
     /// Returns the factor of angles on the screen: −1 for a model seen from the front, 1 for one seen from the side.
-    pub(in crate::pipeline) fn turn(&self, camera: &Camera) -> f64 {
-        2.0 * self.in_view(camera).z.powi(2) - 1.0
-    }
-
-    fn in_view(&self, camera: &Camera) -> DVec3 {
-        camera.view_from_scene().transform_vector3(self.normal)
+    pub(in crate::pipeline) fn turn(&self) -> f64 {
+        2.0 * self.normal.z.powi(2) - 1.0
     }
 }

@@ -4,7 +4,7 @@
 
 use super::{Check, Kind, LayerDefaults};
 use crate::shot::raw::{RawAxis, RawMirror, RawSymmetry};
-use crate::shot::{AxisPlane, Layer, LayerSpace, Mirror, Pin};
+use crate::shot::{AxisPlane, Layer, LayerSpace, Mirror};
 use crate::spelling;
 
 /// What `mirror` of each pin names: #layers, then #pins.
@@ -27,25 +27,21 @@ impl Check<'_> {
 
     /// Resolves the names of followed pins and copies keys, unit, region and weight from them, where a mirrored pin has none of its own.
     pub(super) fn mirrored_pins(&mut self, layers: &mut [Layer], followed: &Followed) {
-        let given: Vec<Layer> = layers.to_vec();
         for (index, names) in followed.iter().enumerate() {
             for (number, name) in names.iter().enumerate() {
                 let Some(name) = name else { continue };
                 let key = format!("layer[{index}].pin[{number}]");
-                let Some(mirror) = self.mirror(name, &key, (&given, followed), [index, number]) else { continue };
-                let source = &given[mirror.layer].pins[mirror.pin];
-                let own = &given[index].pins[number];
-                layers[index].pins[number] = Pin {
-                    name: own.name.clone(),
-                    anchor: if mirror.is_anchor_mirrored { source.anchor.clone() } else { own.anchor.clone() },
-                    mirror: Some(mirror),
-                    unit: source.unit,
-                    region: own.region.or(source.region),
-                    weight: if self.document.has(&format!("{key}.weight")) { own.weight } else { source.weight },
-                    is_muted: own.is_muted,
-                    order: own.order.clone(),
-                    keys: source.keys.clone(),
-                };
+                let Some(mirror) = self.mirror(name, &key, (layers, followed), [index, number]) else { continue };
+                let source = layers[mirror.layer].pins[mirror.pin].clone();
+                let own = &mut layers[index].pins[number];
+                own.mirror = Some(mirror);
+                (own.unit, own.keys, own.region) = (source.unit, source.keys, own.region.or(source.region));
+                if mirror.is_anchor_mirrored {
+                    own.anchor = source.anchor;
+                }
+                if !self.document.has(&format!("{key}.weight")) {
+                    own.weight = source.weight;
+                }
             }
         }
     }

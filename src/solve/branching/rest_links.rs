@@ -47,8 +47,11 @@ pub(crate) fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u
         };
         links.extend(shared.windows(2).map(link));
     }
-    let bridges = bridges(&welded, &links, radius);
-    let contacts = contacts(&welded, &links, &bridges);
+    let mut islands = DisjointSets::of(triangles.len());
+    links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
+    let roots: Vec<usize> = (0..triangles.len()).map(|triangle| islands.root(triangle)).collect();
+    let bridges = bridges(&welded, islands, radius);
+    let contacts = contacts(&welded, &roots, &bridges);
     links.extend(bridges);
     links.extend(contacts);
     links
@@ -79,9 +82,7 @@ pub(crate) fn nearest_link<const D: usize>(
 
 /// Links every island to the one with the nearest corner, repeatedly, until all are connected (O. Borůvka, 1926) or farther apart
 /// than `radius`.
-fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec<Link> {
-    let mut islands = DisjointSets::of(shape.triangles.len());
-    links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
+fn bridges<const D: usize>(shape: &Shape<D>, mut islands: DisjointSets, radius: f64) -> Vec<Link> {
     let mut bridges = Vec::new();
     let corners = shape.triangles.iter().flatten().enumerate();
     let corners = corners.map(|(number, &vertex)| Corner::new(shape.points[vertex as usize], number));
@@ -106,12 +107,9 @@ fn bridges<const D: usize>(shape: &Shape<D>, links: &[Link], radius: f64) -> Vec
 }
 
 /// Links islands that touch wherever they touch: a lid is carried by the whole rim of its pot, a sword by the whole hand. With very
-/// many islands (grass) the bridges alone remain.
-fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) -> Vec<Link> {
-    let mut islands = DisjointSets::of(shape.triangles.len());
-    links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
-    let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| islands.root(triangle)).collect();
-    let limit = TOUCHING * diagonal(&shape.points);
+/// many islands (grass) the bridges alone remain. `roots`: the island of each triangle, #triangles.
+fn contacts<const D: usize>(shape: &Shape<D>, roots: &[usize], bridges: &[Link]) -> Vec<Link> {
+    let limit = TOUCHING * shape.diagonal();
     let mut partners: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
     for bridge in bridges {
         let [from, to] = bridge.ends.each_ref().map(|end| end.point(&shape.points, &shape.triangles));
@@ -126,10 +124,8 @@ fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) 
     }
     let corners = |triangle: usize| shape.triangles[triangle].map(|corner| shape.points[corner as usize]);
     let leaf = |triangle: usize| {
-        let [a, b, c] = corners(triangle);
-        let low = std::array::from_fn(|d| a[d].min(b[d]).min(c[d]));
-        let high = std::array::from_fn(|d| a[d].max(b[d]).max(c[d]));
-        GeomWithData::new(Rectangle::from_corners(low, high), triangle)
+        let bounds = AABB::from_points(&corners(triangle));
+        GeomWithData::new(Rectangle::from_corners(bounds.lower(), bounds.upper()), triangle)
     };
     let tree: RTree<GeomWithData<Rectangle<[f64; D]>, usize>> =
         RTree::bulk_load((0..shape.triangles.len()).map(leaf).collect());
@@ -157,15 +153,6 @@ fn contacts<const D: usize>(shape: &Shape<D>, links: &[Link], bridges: &[Link]) 
         }
     }
     found
-}
-
-/// Length of the diagonal of the bounding box of some points.
-fn diagonal<const D: usize>(points: &[[f64; D]]) -> f64 {
-    let side = |d: usize| {
-        let values = || points.iter().map(|point| point[d]);
-        (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)).max(0.0)
-    };
-    (0..D).map(|d| side(d).powi(2)).sum::<f64>().sqrt()
 }
 
 /// The shortest connection from every island but the largest to another island, as squared length and two corners, shortest

@@ -43,7 +43,7 @@ impl Arap {
     ) -> Result<(Vec<[f64; D]>, usize), SolveError> {
         let system = System::new(shape, pins)?;
         let mut points = shape.points.clone();
-        let tolerance = self.tolerance * diagonal(&shape.points);
+        let tolerance = self.tolerance * shape.diagonal();
         for iteration in 1..=self.iteration_limit {
             let next = system.step(&points);
             let moved = points.iter().zip(&next).map(|(a, b)| {
@@ -149,14 +149,6 @@ fn held_vertices<const D: usize>(shape: &Shape<D>, pins: &[PointPin<D>]) -> Vec<
         (count > 0.0).then(|| std::array::from_fn(|d| point[d] + sum[d] / count))
     };
     shape.points.iter().zip(sums).map(place).collect()
-}
-
-fn diagonal<const D: usize>(points: &[[f64; D]]) -> f64 {
-    let extent = |d: usize| {
-        let values = points.iter().map(|point| point[d]);
-        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
-    };
-    (0..D).map(|d| extent(d).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

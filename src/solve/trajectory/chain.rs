@@ -314,7 +314,7 @@ impl<'a, const D: usize> Chain<'a, D> {
     fn interiors(&self, count: usize) -> Vec<Interior> {
         let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
         let is_searched = handles.max().is_none_or(|count| count <= MAX_SEARCHED_HANDLES);
-        let (knots, weights) = (&self.knots, &self.weights);
+        let (knots, weights, hold_of) = (&self.knots, &self.weights, &self.hold_of);
         // Both adjacent intervals use what is known of a knot.
         let at_knot = |index: usize| {
             let coupled = weights_beside(weights, index).into_iter().filter(|&weight| weight > 0.0);
@@ -326,7 +326,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         let interior = |index: usize| {
             let [Some(knot), Some(next)] = &knots[index..=index + 1] else { return Interior::Coupled };
             // The model stands still during a hold.
-            if next.is_held_by(knot) {
+            if hold_of[index] == hold_of[index + 1] {
                 return Interior::Interpolated;
             }
             // Motion between two drawings is discontinuous on purpose.
