@@ -14,7 +14,7 @@ use stopwatch::fastest;
 const POINTS: usize = 1_000_000;
 
 fn bent(basis: Basis) -> Lattice<2> {
-    let mut lattice = Grid { dims: [15, 15], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+    let mut lattice = Grid { dims: [15, 15], basis, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }.at_rest();
     for (k, handle) in lattice.handles.iter_mut().enumerate() {
         *handle = [handle[0] + 0.02 * (k as f64).sin(), handle[1] + 0.02 * (1.3 * k as f64).cos()];
     }

@@ -44,7 +44,7 @@ fn write(name: &str, shape: &Shape<2>, grid: &Grid<2>, folder: &std::path::Path)
 fn case(count: usize, dims: usize, folder: &std::path::Path) -> Case {
     let name = format!("{count}-{dims}");
     let (shape, pins) = (blob(count), pins(&blob(count), 0.6));
-    let grid = |basis| Grid { dims: [dims, dims], basis, lo: [-0.7, -0.6], hi: [0.7, 0.6] };
+    let grid = |basis| Grid { dims: [dims, dims], basis, lo: [-0.7, -0.6], hi: [0.7, 0.6], angle: 0.0 };
     let paper = Settings { iteration_limit: 10, tolerance: -1.0, ..Settings::paper() };
     let timed = |grid: &Grid<2>, settings: &Settings| {
         let problem = Problem { grid, shape: &shape, pins: &pins, handles: &[], settings };
@@ -57,7 +57,8 @@ fn case(count: usize, dims: usize, folder: &std::path::Path) -> Case {
 
 /// Milliseconds of pinwarp's forward deformation on all threads.
 fn display_ms() -> f64 {
-    let lattice = Grid { dims: [15, 15], basis: Basis::Bspline, lo: [-0.5, -0.5], hi: [0.5, 0.5] }.at_rest();
+    let lattice =
+        Grid { dims: [15, 15], basis: Basis::Bspline, lo: [-0.5, -0.5], hi: [0.5, 0.5], angle: 0.0 }.at_rest();
     let warp = DisplayWarp::new(&lattice);
     let side = POINTS.isqrt();
     let place = |k: usize| [k % side, k / side].map(|x| 0.98 * x as f32 / side as f32 - 0.49);

@@ -83,7 +83,8 @@ impl Case {
 
 /// A smooth warp of the whole picture, by up to a twentieth of its height.
 fn field(frame: FrameSize) -> Field {
-    let mut lattice = Grid { dims: [10, 10], basis: Basis::Bspline, lo: [0.0; 2], hi: [frame.aspect(), 1.0] }.at_rest();
+    let mut lattice =
+        Grid { dims: [10, 10], basis: Basis::Bspline, lo: [0.0; 2], hi: [frame.aspect(), 1.0], angle: 0.0 }.at_rest();
     for (k, handle) in lattice.handles.iter_mut().enumerate() {
         let k = k as f64;
         *handle = [handle[0] + 0.05 * (0.9 * k).sin(), handle[1] + 0.05 * (1.7 * k).cos()];

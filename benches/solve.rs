@@ -32,7 +32,7 @@ const DRAG_MOVES: usize = 31;
 const DRAGS: usize = 9;
 
 fn grid(dims: usize, basis: Basis) -> Grid<2> {
-    Grid { dims: [dims, dims], basis, lo: [-0.7, -0.6], hi: [0.7, 0.6] }
+    Grid { dims: [dims, dims], basis, lo: [-0.7, -0.6], hi: [0.7, 0.6], angle: 0.0 }
 }
 
 /// One row of the table of cold solves, which include all preparation.

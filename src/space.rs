@@ -132,6 +132,29 @@ impl ScreenBox {
     }
 }
 
+/// A box of the screen that is rotated about its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotatedBox {
+    /// The box before its rotation.
+    pub upright: ScreenBox,
+    /// Angle in radians, counter-clockwise.
+    pub angle: f64,
+}
+
+impl RotatedBox {
+    /// Converts a vector to box sizes along the axes of the box.
+    #[must_use]
+    pub(crate) fn box_sizes(self, vector: DVec2) -> DVec2 {
+        DVec2::from_angle(-self.angle).rotate(vector) / self.upright.size()
+    }
+}
+
+impl From<ScreenBox> for RotatedBox {
+    fn from(upright: ScreenBox) -> Self {
+        Self { upright, angle: 0.0 }
+    }
+}
+
 /// The display window: its size in pixels, which defines screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameSize {

@@ -21,7 +21,7 @@ fn grid_over(shape: &Shape<2>, dims: [usize; 2]) -> Grid<2> {
         [low - pad, high + pad]
     };
     let [x, y] = [range(0), range(1)];
-    Grid { dims, basis: Basis::Bspline, lo: [x[0], y[0]], hi: [x[1], y[1]] }
+    Grid { dims, basis: Basis::Bspline, lo: [x[0], y[0]], hi: [x[1], y[1]], angle: 0.0 }
 }
 
 /// Mean angular and area distortion over the triangles of a mesh.

@@ -89,6 +89,7 @@ impl Timeline<2> for Scene {
             basis: Basis::Bspline,
             lo: [-0.42 - shift - grown, -0.12 + shift - grown],
             hi: [0.42 - shift + grown, 1.1 + shift + grown],
+            angle: 0.0,
         };
         let on = |(triangle, corners): (usize, &[u32; 3])| {
             let at = [0, 1].map(|d| corners.iter().map(|&k| shape.points[k as usize][d]).sum::<f64>() / 3.0);

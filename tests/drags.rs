@@ -21,7 +21,7 @@ fn blob(side: usize) -> Shape<2> {
 }
 
 fn grid(dims: usize) -> Grid<2> {
-    Grid { dims: [dims; 2], basis: Basis::Bspline, lo: [-0.7, -0.6], hi: [0.7, 0.6] }
+    Grid { dims: [dims; 2], basis: Basis::Bspline, lo: [-0.7, -0.6], hi: [0.7, 0.6], angle: 0.0 }
 }
 
 /// The pins after a number of moves of a hand that swings the last one `laps` times a second, up to a box diagonal a

@@ -81,7 +81,7 @@ fn pressed(degrees: f64, noise: f64) -> Solution<2> {
     let pin = |x: f64, y: f64| PointPin::new([x, 0.0], turned([0.75 * x, y]));
     let pins = [pin(-0.95, 0.0), pin(0.0, noise), pin(0.95, -noise)];
     let pins = if noise == 0.0 { vec![pins[0], pins[2]] } else { pins.to_vec() };
-    let grid = Grid { dims: [10, 7], basis: Basis::Bspline, lo: [-1.1, -0.35], hi: [1.1, 0.35] };
+    let grid = Grid { dims: [10, 7], basis: Basis::Bspline, lo: [-1.1, -0.35], hi: [1.1, 0.35], angle: 0.0 };
     let (shape, settings) = (strip(0.12), Settings::default());
     solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings }).expect("valid")
 }
@@ -120,7 +120,7 @@ fn sides_do_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn a_drag_that_presses_a_strip_leaves_the_saddle_when_it_settles() {
-    let grid = Grid { dims: [10, 7], basis: Basis::Bspline, lo: [-1.1, -0.35], hi: [1.1, 0.35] };
+    let grid = Grid { dims: [10, 7], basis: Basis::Bspline, lo: [-1.1, -0.35], hi: [1.1, 0.35], angle: 0.0 };
     let (shape, settings) = (strip(0.12), Settings::default());
     let at = |share: f64| [-0.95, 0.95].map(|x| PointPin::new([x, 0.0], [share * x, 0.0]));
     let pins = at(1.0);

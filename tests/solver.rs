@@ -6,7 +6,9 @@
 mod random;
 
 use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{HandlePin, PointPin, Problem, Regularizer, Settings, Shape, Solution, SolveError, Solver, solve};
+use pinwarp::solve::{
+    HandlePin, PointPin, Problem, Regularizer, Settings, Shape, Solution, SolveError, Solver, Topology, solve,
+};
 use proptest::prelude::*;
 
 /// A wavy strip of 2·(n+1) points in the unit square, finer or coarser, with isolated parts beside it.
@@ -24,7 +26,7 @@ fn strip(cells: u32) -> Shape<2> {
 }
 
 fn grid(dims: usize, basis: Basis) -> Grid<2> {
-    Grid { dims: [dims, dims], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }
+    Grid { dims: [dims, dims], basis, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }
 }
 
 fn pin(at: [f64; 2], target: [f64; 2]) -> PointPin<2> {
@@ -382,4 +384,86 @@ fn malformed_problems_are_refused_in_words() {
     let error = pinwarp::solve::problem_file::run_text(space).expect_err("too large").to_string();
     assert!(error.contains("262144 handles in all") && error.contains("at most 4096"), "{error}");
     assert!(refuse(&grid, &shape, &[], &[HandlePin { index: 36, target: [0.0, 0.0] }]).contains("index 36"));
+}
+
+/// A point rotated about another, and a vector.
+fn rotated([x, y]: [f64; 2], [a, b]: [f64; 2], angle: f64) -> [f64; 2] {
+    let ((sin, cos), [x, y]) = (angle.sin_cos(), [x - a, y - b]);
+    [a + cos * x - sin * y, b + sin * x + cos * y]
+}
+
+/// The pin rotated about a point, with its target and gradient.
+fn rotated_pin(pin: &PointPin<2>, center: [f64; 2], angle: f64) -> PointPin<2> {
+    let (sin, cos) = angle.sin_cos();
+    let turned = |columns: [[f64; 2]; 2]| {
+        let [p, q] = columns.map(|column| rotated(column, [0.0; 2], angle));
+        [[cos * p[0] - sin * q[0], cos * p[1] - sin * q[1]], [sin * p[0] + cos * q[0], sin * p[1] + cos * q[1]]]
+    };
+    PointPin {
+        at: rotated(pin.at, center, angle),
+        target: rotated(pin.target, center, angle),
+        gradient: pin.gradient.map(turned),
+        ..*pin
+    }
+}
+
+/// A figure that is turned together with its box moves alike, for every basis, plain or branching, solved or dragged.
+#[test]
+fn a_figure_turned_with_its_box_solves_the_same() {
+    let shape = strip(24);
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let mut pins = vec![pin([0.12, 0.5], [0.15, 0.4]), pin([0.5, 0.5], [0.5, 0.62]), pin([0.88, 0.45], [0.8, 0.7])];
+    pins[1].gradient = Some([[1.2 * cos, 1.2 * sin], [-0.9 * sin, 0.9 * cos]]);
+    let handle = HandlePin { index: 40, target: [0.3, 0.95] };
+    for (basis, topology) in bases_and_topologies() {
+        let upright = Grid { hi: [1.0, 1.1], ..grid(9, basis) };
+        let settings = Settings { topology, tolerance: 1e-9, ..Settings::default() };
+        let center = [0.5, 0.55];
+        let problem = Problem { grid: &upright, shape: &shape, pins: &pins, handles: &[handle], settings: &settings };
+        let wanted = Solver::new(&problem).expect("a valid problem").solve();
+        for angle in [0.3, -1.9, 12.0] {
+            let turn = |point: [f64; 2]| rotated(point, center, angle);
+            let turned = Shape { points: shape.points.iter().map(|&point| turn(point)).collect(), ..shape.clone() };
+            let grid = Grid { angle, ..upright.clone() };
+            let pins: Vec<_> = pins.iter().map(|pin| rotated_pin(pin, center, angle)).collect();
+            let handles = [HandlePin { target: turn(handle.target), ..handle }];
+            let problem = Problem { grid: &grid, shape: &turned, pins: &pins, handles: &handles, settings: &settings };
+            let solver = Solver::new(&problem).expect("a valid problem");
+            let mut drag = solver.drag_from(&solver.solve()).expect("a solution of this solver");
+            let moved =
+                |x: f64| pins.iter().map(move |pin| PointPin { target: [pin.target[0] + x, pin.target[1]], ..*pin });
+            drag.follow(&moved(0.01).collect::<Vec<_>>(), &handles).expect("the same pins");
+            for found in [
+                solver.solve(),
+                solver.update(&pins, &handles).expect("the same pins"),
+                drag.settle(&pins, &handles).expect("the same pins"),
+            ] {
+                let image = |solution: &Solution<2>, triangle: usize, point: [f64; 2]| match &solution.branches {
+                    Some(branches) => branches.evaluate(triangle, point),
+                    None => solution.lattice.deform(point),
+                };
+                let misses = shape.triangles.iter().enumerate().map(|(triangle, corners)| {
+                    let point = shape.points[corners[0] as usize];
+                    distance(image(&found, triangle, turn(point)), turn(image(&wanted, triangle, point)))
+                });
+                let (miss, diagonal) = (misses.fold(0.0, f64::max), upright.diagonal());
+                assert!(miss < 1e-6 * diagonal, "{basis:?} {topology:?} by {angle}: {miss:.1e}");
+                let errors = found.report.pin_errors.iter().zip(&wanted.report.pin_errors);
+                assert!(errors.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) < 1e-6 * diagonal);
+            }
+        }
+        // With an upright box the same turned figure moves otherwise.
+        let turned = Shape { points: shape.points.iter().map(|&p| rotated(p, center, 0.3)).collect(), ..shape.clone() };
+        let pins: Vec<_> = pins.iter().map(|pin| rotated_pin(pin, center, 0.3)).collect();
+        let problem = Problem { grid: &upright, shape: &turned, pins: &pins, handles: &[], settings: &settings };
+        let found = Solver::new(&problem).expect("a valid problem").solve();
+        let [a, b] = [found.lattice.deform(turned.points[20]), wanted.lattice.deform(shape.points[20])];
+        assert!(distance(a, rotated(b, center, 0.3)) > 1e-4 * upright.diagonal(), "{basis:?}");
+    }
+}
+
+fn bases_and_topologies() -> impl Iterator<Item = (Basis, Topology)> {
+    let plain =
+        [Basis::Bspline, Basis::Bernstein, Basis::Bilinear, Basis::Barytri].map(|basis| (basis, Topology::Plain));
+    plain.into_iter().chain([(Basis::Bspline, Topology::Branching)])
 }

@@ -30,7 +30,7 @@ fn ball() -> Shape<3> {
 }
 
 fn cube(count: usize) -> Grid<3> {
-    Grid { dims: [count; 3], basis: Basis::Bspline, lo: [-1.2; 3], hi: [1.2; 3] }
+    Grid { dims: [count; 3], basis: Basis::Bspline, lo: [-1.2; 3], hi: [1.2; 3], angle: 0.0 }
 }
 
 fn solved(grid: &Grid<3>, shape: &Shape<3>, pins: &[PointPin<3>], settings: &Settings) -> Solution<3> {
@@ -73,7 +73,8 @@ fn a_ball_twisted_by_120_degrees_converges() {
 
 #[test]
 fn a_tube_twisted_by_a_full_turn_over_eight_spans_converges() {
-    let grid = Grid { dims: [5, 11, 5], basis: Basis::Bspline, lo: [-0.5, -2.1, -0.5], hi: [0.5, 2.1, 0.5] };
+    let grid =
+        Grid { dims: [5, 11, 5], basis: Basis::Bspline, lo: [-0.5, -2.1, -0.5], hi: [0.5, 2.1, 0.5], angle: 0.0 };
     let shape = rings(&(0..=40).map(|k| [0.1 * f64::from(k) - 2.0, 0.4]).collect::<Vec<_>>(), 24);
     // A ring of pins each quarter turn: an eighth would say more than the lattice has to find out.
     let pins = turned(0.4, (0..=4).map(|k| (f64::from(k) - 2.0, f64::from(k) * FRAC_PI_2)));

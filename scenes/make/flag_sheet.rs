@@ -35,7 +35,7 @@ pub(crate) fn strip(scenes: &Path) -> anyhow::Result<RgbImage> {
     let shape = mesh();
     let pins = pins();
     let (moved, _) = Arap::default().deform(&shape, &pins)?;
-    let grid = Grid { dims: [5, 5], basis: Basis::Bernstein, lo: [0.2, 0.17], hi: [1.3, 0.89] };
+    let grid = Grid { dims: [5, 5], basis: Basis::Bernstein, lo: [0.2, 0.17], hi: [1.3, 0.89], angle: 0.0 };
     let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &Settings::default() };
     let lattice = solve(&problem)?.lattice;
     let carried: Vec<[f64; 2]> =

@@ -15,7 +15,7 @@ pub(in crate::edit) fn regridded(
     basis: Basis,
     (old, new): ([usize; 2], [usize; 2]),
 ) -> Vec<HandleTrack> {
-    let grid = |dims: [usize; 2]| Grid { dims, basis, lo: [0.0; 2], hi: [1.0; 2] };
+    let grid = |dims: [usize; 2]| Grid { dims, basis, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
     let (old, new) = (grid(old), grid(new));
     let mut found: BTreeMap<usize, (f64, HandleTrack)> = BTreeMap::new();
     for track in tracks {

@@ -4,7 +4,7 @@
 
 use super::EditError;
 use crate::shot::{Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot};
-use crate::space::{ScreenPoint, ScreenVector};
+use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::DVec2;
 
 /// How moving a pin affects its keys.
@@ -78,15 +78,15 @@ pub(in crate::edit) fn moved(
     at: [usize; 2],
     (time, auto): (f64, AutoKey),
     change: Move,
-    box_size: Option<DVec2>,
+    rest_box: Option<RotatedBox>,
 ) -> Result<Vec<PinKey>, EditError> {
     let (layer, pin) = (&shot.layers[at[0]], &shot.layers[at[0]].pins[at[1]]);
     let strength = if layer.strength.abs() < 1e-6 { 1.0 } else { layer.strength };
-    let unit = match pin.unit {
-        OffsetUnit::Frame => DVec2::ONE,
-        OffsetUnit::Box => box_size.unwrap_or(DVec2::ONE),
+    let in_unit = |by: DVec2| match (pin.unit, rest_box) {
+        (OffsetUnit::Box, Some(rest_box)) => rest_box.box_sizes(by),
+        _ => by,
     };
-    let change_key = |key: &PinKey| changed(key, change, strength, unit).ok_or_else(|| in_scene(pin));
+    let change_key = |key: &PinKey| changed(key, change, strength, in_unit).ok_or_else(|| in_scene(pin));
     if auto == AutoKey::Off {
         return pin.keys.iter().map(change_key).collect();
     }
@@ -101,13 +101,13 @@ fn in_scene(pin: &Pin) -> EditError {
     }
 }
 
-fn changed(key: &PinKey, change: Move, strength: f64, unit: DVec2) -> Option<PinKey> {
+fn changed(key: &PinKey, change: Move, strength: f64, in_unit: impl Fn(DVec2) -> DVec2) -> Option<PinKey> {
     let mut key = *key;
     match change {
         Move::By(by) => {
             key.goal = match key.goal {
                 Goal::Offset(ScreenVector(offset)) => {
-                    Goal::Offset(ScreenVector(rounded(offset + by / unit / strength)))
+                    Goal::Offset(ScreenVector(rounded(offset + in_unit(by) / strength)))
                 }
                 Goal::Target(ScreenPoint(target)) => Goal::Target(ScreenPoint(rounded(target + by / strength))),
                 Goal::SceneOffset(_) | Goal::SceneTarget(_) => return None,

@@ -14,10 +14,10 @@ use glam::DMat3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The latest version, written if a lattice branches.
+/// The latest version, written if a lattice branches or a box is rotated.
 const VERSION: u32 = 2;
 
-/// The version written if no lattice branches, so that programs of the first version can read it.
+/// The version written otherwise, so that programs of the first version can read it.
 const PLAIN_VERSION: u32 = 1;
 
 /// Largest absolute frame number, as in shots.
@@ -87,6 +87,14 @@ impl LatticeFile {
         self.layers.iter().any(|layer| !layer.branches.is_empty())
     }
 
+    /// Whether any box is rotated.
+    fn has_rotated_boxes(&self) -> bool {
+        self.layers.iter().any(|layer| match &layer.track {
+            Track::Screen(lattices) => lattices.values().any(|lattice| lattice.grid.angle != 0.0),
+            Track::World(_) => false,
+        })
+    }
+
     /// Returns only the given frames; `None` if no layer has any of them.
     #[must_use]
     pub fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
@@ -115,7 +123,7 @@ impl LatticeFile {
             Track::World(lattices) => raw_track(layer, RawSpace::World, lattices),
         });
         let raw = RawFile {
-            pinwarp_lattice: if self.has_branches() { VERSION } else { PLAIN_VERSION },
+            pinwarp_lattice: if self.has_branches() || self.has_rotated_boxes() { VERSION } else { PLAIN_VERSION },
             generator: Some(GENERATOR.to_owned()),
             frame_aspect: self.frame_aspect,
             rate: self.rate,
@@ -194,7 +202,8 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
             let hint = format!("give a whole number from -{MAX_FRAME} to {MAX_FRAME}");
             return Err(fault(format!("{key}.frame"), format!("is {}", frame.frame), hint));
         }
-        let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)? };
+        let angle = frame.angle.unwrap_or(0.0);
+        let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)?, angle };
         grid.check().map_err(|error| fault(key.clone(), error.to_string(), "export it again"))?;
         if frame.handles.len() != grid.handle_count() {
             let given = pluralised(frame.handles.len(), "handle", "handles");
@@ -232,8 +241,9 @@ fn branches(raw: &RawTrack, key: &str, is_plain: bool) -> Result<BTreeMap<i32, L
     let mut found = BTreeMap::new();
     for (number, frame) in raw.frames.iter().enumerate() {
         let key = |own: &str| format!("{key}.frames[{number}].{own}");
-        if let Some(angle) = frame.angle.filter(|angle| *angle != 0.0) {
-            return Err(fault(key("angle"), format!("is {angle}"), "rotated boxes are not supported"));
+        if frame.angle.is_some_and(|angle| angle != 0.0) && (is_plain || raw.space == RawSpace::World) {
+            let hint = "only boxes of screen lattices in files of version 2 can be rotated";
+            return Err(fault(key("angle"), "is not allowed here", hint));
         }
         let Some(branches) = &frame.branches else { continue };
         if is_plain || raw.space == RawSpace::World {
@@ -306,7 +316,7 @@ fn raw_track<const D: usize>(layer: &LatticeTrack, space: RawSpace, lattices: &B
             let DMat3 { x_axis, y_axis, z_axis } = placed.axes();
             [x_axis, y_axis, z_axis, placed.origin()].map(|column| column.to_array())
         }),
-        angle: None,
+        angle: Some(lattice.grid.angle).filter(|angle| *angle != 0.0),
         handles: lattice.handles.iter().map(|handle| handle.to_vec()).collect(),
         branches: layer.branches.get(&frame).map(raw_branches),
     });
@@ -327,7 +337,7 @@ mod tests {
     use glam::DVec3;
 
     fn grid<const D: usize>(shift: f64) -> Grid<D> {
-        Grid { dims: [4; D], basis: Basis::Bspline, lo: [shift; D], hi: [1.0 + shift; D] }
+        Grid { dims: [4; D], basis: Basis::Bspline, lo: [shift; D], hi: [1.0 + shift; D], angle: 0.0 }
     }
 
     fn file() -> LatticeFile {
@@ -377,13 +387,32 @@ mod tests {
             ("[[0,0.0,", "[[16,0.0,", "branches.list[0].handles: has handle 16"),
             ("[1,3,4,2]", "[1,3,5,2]", "branches.list[1].region[0]"),
             ("[1,3,4,2]", "[1,3]", "branches.list[1].region[0]"),
-            ("\"frame\":3,", "\"frame\":3,\"angle\":30.0,", "layers[0].frames[1].angle"),
         ];
         for (from, to, wanted) in changes {
             assert!(text.contains(from), "{from} in {text}");
             std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
             let error = LatticeFile::read(&path).expect_err("a fault").to_string();
             assert!(error.contains(wanted), "{error}");
+        }
+    }
+
+    #[test]
+    fn rotated_boxes_come_back_in_files_of_the_second_version() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.lattice.json");
+        let mut file = file();
+        let Track::Screen(lattices) = &mut file.layers[0].track else { unreachable!() };
+        lattices.get_mut(&3).expect("frame 3").grid.angle = 0.1 + 0.2;
+        file.write(&path).expect("written");
+        let text = std::fs::read_to_string(&path).expect("read");
+        assert_eq!((LatticeFile::read(&path).expect("read"), text.matches("angle").count()), (file, 1));
+        for (from, to) in
+            [("\"pinwarp_lattice\":2", "\"pinwarp_lattice\":1"), ("\"frame\":-2,", "\"frame\":-2,\"angle\":1.0,")]
+        {
+            assert!(text.contains(from), "{from} in {text}");
+            std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
+            let error = LatticeFile::read(&path).expect_err("a fault").to_string();
+            assert!(error.contains("].angle: is not allowed here"), "{error}");
         }
     }
 

@@ -60,7 +60,7 @@ pub(super) struct RawFrame {
     /// Scene space only: x, y and z axis and origin of the box's own frame, in scene units; if missing, those of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) placement: Option<[[f64; 3]; 4]>,
-    /// Rotation of the box about its centre, counter-clockwise, in degrees; reserved for rotated boxes.
+    /// Rotation of the box about its centre, counter-clockwise, in radians; default: 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) angle: Option<f64>,
     /// Moved handles, x fastest.

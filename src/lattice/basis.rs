@@ -120,7 +120,7 @@ mod tests {
         for basis in Basis::ALL {
             let least = basis.min_handles();
             assert_eq!(basis.spans(least), 1, "{basis:?}");
-            let grid = Grid { dims: [least + 3, least + 2], basis, lo: [0.0; 2], hi: [1.0; 2] };
+            let grid = Grid { dims: [least + 3, least + 2], basis, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
             assert!(grid.check().is_ok() && Grid { dims: [least - 1, 9], ..grid.clone() }.check().is_err());
             let inside = grid.weights([0.41, 0.27]);
             assert_eq!(inside.len(), basis.handles_at_point(grid.dims), "{basis:?}");

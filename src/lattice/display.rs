@@ -19,7 +19,7 @@ const LANES: usize = 8;
 ///
 /// ```
 /// use pinwarp::lattice::{Basis, DisplayWarp, Grid};
-/// let mut lattice = Grid { dims: [4, 4], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+/// let mut lattice = Grid { dims: [4, 4], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }.at_rest();
 /// lattice.handles.iter_mut().for_each(|handle| handle[1] += 0.25);
 /// let mut points = [[0.5_f32, 0.5], [3.0, -1.0]];
 /// DisplayWarp::new(&lattice).warp(&mut points);
@@ -28,8 +28,9 @@ const LANES: usize = 8;
 #[derive(Clone, Debug)]
 pub struct DisplayWarp {
     lattice: Lattice<2>,
-    lo: [f32; 2],
-    inverse_size: [f32; 2],
+    center: [f32; 2],
+    /// Change of a coordinate of the box per unit of x and y, for each axis of the box.
+    per_unit: [[f32; 2]; 2],
     /// Displacements x0 y0 x1 y1 ... per row of handles, padded with zeros; rows from the bottom.
     rows: Vec<f32>,
     /// Floats per row.
@@ -58,8 +59,11 @@ impl DisplayWarp {
             (0..2).for_each(|d| rows[row * stride + 2 * column + d] = (moved[d] - rest[d]) as f32);
         }
         Self {
-            lo: grid.lo.map(|x| x as f32),
-            inverse_size: [0, 1].map(|axis| (1.0 / grid.size(axis)) as f32),
+            center: [0, 1].map(|axis| (0.5 * (grid.lo[axis] + grid.hi[axis])) as f32),
+            per_unit: [0, 1].map(|axis| {
+                let along = grid.rotated(std::array::from_fn(|d| f64::from(u8::from(d == axis)) / grid.size(axis)));
+                along.map(|x| x as f32)
+            }),
             rows,
             stride,
             binomials: grid.dims.map(binomials),
@@ -88,7 +92,8 @@ impl DisplayWarp {
     /// Returns the coordinate of a point in the box, 0 to 1.
     #[inline(always)]
     fn unit(&self, point: [f32; 2], axis: usize) -> f32 {
-        ((point[axis] - self.lo[axis]) * self.inverse_size[axis]).clamp(0.0, 1.0)
+        let [x, y] = self.per_unit[axis];
+        (0.5 + x * (point[0] - self.center[0]) + y * (point[1] - self.center[1])).clamp(0.0, 1.0)
     }
 
     /// Warps a point with four handles per axis.
@@ -230,7 +235,8 @@ mod tests {
     fn display_is_the_warp_in_single_precision() {
         let bases = [Basis::Bernstein, Basis::Bspline, Basis::Bilinear, Basis::Barytri];
         for (basis, dims) in bases.into_iter().flat_map(|basis| [[4, 5], [15, 15], [64, 9]].map(|dims| (basis, dims))) {
-            let mut lattice = Grid { dims, basis, lo: [-0.4, 0.1], hi: [1.3, 0.9] }.at_rest();
+            let angle = if dims[0] == 15 { 0.7 } else { 0.0 };
+            let mut lattice = Grid { dims, basis, lo: [-0.4, 0.1], hi: [1.3, 0.9], angle }.at_rest();
             for (k, handle) in lattice.handles.iter_mut().enumerate() {
                 *handle = [handle[0] + 0.1 * (k as f64).sin(), handle[1] + 0.1 * (1.3 * k as f64).cos()];
             }

@@ -43,4 +43,10 @@ pub enum LatticeError {
         /// Upper bound.
         hi: f64,
     },
+    /// The angle of the box is not finite.
+    #[error("the lattice box is rotated by {angle} radians; give a finite angle")]
+    Angle {
+        /// The angle.
+        angle: f64,
+    },
 }

@@ -36,7 +36,7 @@ impl<const D: usize> Lattice<D> {
     ///
     /// ```
     /// use pinwarp::lattice::{Basis, Grid};
-    /// let mut lattice = Grid { dims: [4, 5], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [2.0, 1.0] }.at_rest();
+    /// let mut lattice = Grid { dims: [4, 5], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [2.0, 1.0], angle: 0.0 }.at_rest();
     /// lattice.handles[6] = [0.9, 0.4];
     /// let finer = lattice.resized([9, 7], Basis::Bernstein)?;
     /// assert!(finer.error < 1e-13);
@@ -83,11 +83,6 @@ impl<const D: usize> Grid<D> {
             self.least_squares(&map)
         };
         lattice.compared(&map)
-    }
-
-    /// Returns the point at coordinates of the box, 0 to 1 per axis.
-    fn point_from_unit(&self, unit: [f64; D]) -> [f64; D] {
-        std::array::from_fn(|axis| self.lo[axis] + unit[axis] * self.size(axis))
     }
 
     /// Contracts displacements at a grid of sites by the least-squares operator of each axis.
@@ -191,7 +186,7 @@ mod tests {
 
     /// A lattice with all handles displaced by a function that is not a polynomial.
     fn bent<const D: usize>(basis: Basis, dims: [usize; D]) -> Lattice<D> {
-        let mut lattice = Grid { dims, basis, lo: [-1.0; D], hi: [2.0; D] }.at_rest();
+        let mut lattice = Grid { dims, basis, lo: [-1.0; D], hi: [2.0; D], angle: 0.0 }.at_rest();
         for (k, handle) in lattice.handles.iter_mut().enumerate() {
             handle.iter_mut().enumerate().for_each(|(d, x)| *x += 0.2 * (3.1 * k as f64 + d as f64).sin());
         }

@@ -169,8 +169,8 @@ impl<const D: usize> Lattice<D> {
         };
         let det = |order: &[usize; 3]| {
             let within = |axis: usize| (order[axis] + 1) as f64 / (D + 1) as f64;
-            let at = |axis: usize| self.grid.lo[axis] + (place[axis] as f64 + within(axis)) * self.grid.spacing(axis);
-            determinant(&self.evaluate_with_gradient(std::array::from_fn(at)).gradient)
+            let spans = std::array::from_fn(|axis| place[axis] as f64 + within(axis));
+            determinant(&self.evaluate_with_gradient(self.grid.point_from_spans(spans)).gradient)
         };
         orders.iter().map(det).fold(f64::INFINITY, lower)
     }
@@ -333,7 +333,7 @@ mod tests {
     use crate::lattice::{Basis, Grid};
 
     fn grid(basis: Basis) -> Grid<2> {
-        Grid { dims: [8, 7], basis, lo: [-1.0, 0.0], hi: [1.0, 1.5] }
+        Grid { dims: [8, 7], basis, lo: [-1.0, 0.0], hi: [1.0, 1.5], angle: 0.0 }
     }
 
     /// Returns the smallest det J over a dense grid of points of every cell.
@@ -380,7 +380,7 @@ mod tests {
     #[test]
     fn cells_of_space_are_searched_too() {
         for basis in Basis::ALL {
-            let lattice = shake(&Grid { dims: [5, 5, 5], basis, lo: [0.0; 3], hi: [1.0, 2.0, 1.0] }, 0.5);
+            let lattice = shake(&Grid { dims: [5, 5, 5], basis, lo: [0.0; 3], hi: [1.0, 2.0, 1.0], angle: 0.0 }, 0.5);
             let least = searched(&lattice, 9).into_iter().fold(f64::INFINITY, f64::min);
             let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
             assert!(folds.min_det < least + 0.05 && folds.min_det > least - 0.2, "{basis:?} {folds:?} {least}");
@@ -390,7 +390,7 @@ mod tests {
 
     #[test]
     fn a_fold_between_corners_and_middle_is_found() {
-        let rest = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] }.at_rest();
+        let rest = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 }.at_rest();
         // Handles a h + (h − ¼)³ make the slope a + 1 + 3 (x − ¼)², least at ¼, between 0 and ½.
         let folded = |a: f64| {
             let mut lattice = rest.clone();
@@ -409,7 +409,7 @@ mod tests {
     #[test]
     fn a_handle_pulled_across_its_neighbours_folds_cells_around_it() {
         for basis in [Basis::Bspline, Basis::Bilinear, Basis::Barytri] {
-            let mut lattice = Grid { dims: [8, 8], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+            let mut lattice = Grid { dims: [8, 8], basis, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }.at_rest();
             assert_eq!(lattice.folded_cells(), Vec::<[usize; 2]>::new());
             lattice.handles[4 + 8 * 4][0] += 2.0;
             let folded = lattice.folded_cells();
@@ -420,7 +420,7 @@ mod tests {
     #[test]
     fn a_mirrored_lattice_is_folded_everywhere_and_a_nan_counts_as_folded() {
         for basis in Basis::ALL {
-            let mut lattice = Grid { dims: [4, 5], basis, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+            let mut lattice = Grid { dims: [4, 5], basis, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }.at_rest();
             lattice.handles.iter_mut().for_each(|handle| handle[0] = -handle[0]);
             let count = lattice.grid.cell_count();
             assert_eq!(lattice.folded_cells().len(), count);

@@ -72,8 +72,10 @@ impl Lattice<2> {
     /// that of the identity.
     #[must_use]
     pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
-        let inside = DVec2::from(self.grid.clamp_to_box(point.0.to_array()));
-        let at = inside.to_array();
+        // The point before the rotation of the box, and the nearest box point.
+        let upright = DVec2::from(self.grid.upright_from_point(point.0.to_array()));
+        let inside = upright.clamp(self.grid.lo.into(), self.grid.hi.into());
+        let at = if inside == upright { point.0.to_array() } else { self.grid.point_from_upright(inside.to_array()) };
         let at_border = match self.grid.basis.support() {
             Support::Simplex => {
                 let [[xx, xy], [yx, yy]] = self.evaluate_with_gradient(at).gradient;
@@ -82,9 +84,17 @@ impl Lattice<2> {
             Support::Tensor { .. } => gradient_of_rows(self, &self.grid.axes::<MAX_LOCAL>(at)),
             Support::Global => gradient_of_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
         };
-        let x_axis = if inside.x == point.0.x { at_border.x_axis } else { DVec2::X };
-        let y_axis = if inside.y == point.0.y { at_border.y_axis } else { DVec2::Y };
-        DMat2::from_cols(x_axis, y_axis)
+        if self.grid.angle == 0.0 {
+            let x_axis = if inside.x == upright.x { at_border.x_axis } else { DVec2::X };
+            let y_axis = if inside.y == upright.y { at_border.y_axis } else { DVec2::Y };
+            return DMat2::from_cols(x_axis, y_axis);
+        }
+        // The derivatives along the axes of the box.
+        let axes = DMat2::from_angle(self.grid.angle);
+        let along = at_border * axes;
+        let x_axis = if inside.x == upright.x { along.x_axis } else { axes.x_axis };
+        let y_axis = if inside.y == upright.y { along.y_axis } else { axes.y_axis };
+        DMat2::from_cols(x_axis, y_axis) * axes.transpose()
     }
 }
 
@@ -116,7 +126,8 @@ fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>
         columns[0] += slant * *value;
         columns[1] += sum * *slope;
     }
-    DMat2::from_cols(columns[0] / grid.size(0), columns[1] / grid.size(1))
+    let along_box = DMat2::from_cols(columns[0] / grid.size(0), columns[1] / grid.size(1));
+    if grid.angle == 0.0 { along_box } else { along_box * DMat2::from_angle(-grid.angle) }
 }
 
 #[cfg(test)]
@@ -125,16 +136,33 @@ mod tests {
     use crate::lattice::{Basis, Grid};
 
     fn bent(basis: Basis) -> Lattice<2> {
-        let mut lattice = Grid { dims: [6, 7], basis, lo: [0.0, 0.0], hi: [2.0, 1.0] }.at_rest();
+        let mut lattice = Grid { dims: [6, 7], basis, lo: [0.0, 0.0], hi: [2.0, 1.0], angle: 0.0 }.at_rest();
         for (k, handle) in lattice.handles.iter_mut().enumerate() {
             *handle = [handle[0] + 0.05 * (k as f64).sin(), handle[1] + 0.05 * (1.3 * k as f64).cos()];
         }
         lattice
     }
 
+    impl Lattice<2> {
+        /// The lattice rotated with its box.
+        fn rotated(&self, angle: f64) -> Self {
+            let grid = Grid { angle, ..self.grid.clone() };
+            Self { handles: self.handles.iter().map(|&handle| grid.point_from_upright(handle)).collect(), grid }
+        }
+    }
+
     #[test]
     fn outside_the_box_the_displacement_is_that_of_the_nearest_box_point() {
         for lattice in Basis::ALL.map(bent) {
+            let rotated = lattice.rotated(0.7);
+            for point in [[2.3, 0.3], [-0.4, 1.2], [1.1, 0.4]] {
+                let [place, wanted] =
+                    [point, lattice.deform(point)].map(|point| rotated.grid.point_from_upright(point));
+                let gap = rotated.warp(ScreenPoint(place.into())).0 - DVec2::from(wanted);
+                assert!(
+                    gap.length() < 1e-12 && (DVec2::from(rotated.deform(place)) - DVec2::from(wanted)).length() < 1e-12
+                );
+            }
             let border = ScreenPoint::new(2.0, 0.3);
             let outside = lattice.warp(ScreenPoint::new(5.0, 0.3));
             let wanted = lattice.warp(border).0 + DVec2::new(3.0, 0.0);
@@ -149,7 +177,8 @@ mod tests {
 
     #[test]
     fn the_jacobian_is_the_slope_of_the_warp() {
-        for lattice in Basis::ALL.map(bent) {
+        let rotated = Basis::ALL.map(bent).map(|lattice| lattice.rotated(0.5));
+        for lattice in Basis::ALL.map(bent).into_iter().chain(rotated) {
             for point in [DVec2::new(0.71, 0.33), DVec2::new(1.23, 0.77), DVec2::new(0.5, 1.4)] {
                 let gradient = lattice.jacobian(ScreenPoint(point));
                 for (axis, column) in [(DVec2::X, gradient.x_axis), (DVec2::Y, gradient.y_axis)] {

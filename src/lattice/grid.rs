@@ -5,7 +5,7 @@
 use super::axis::{self, AxisTerms, MAX_HANDLES, MAX_HANDLES_IN_ALL, MAX_LOCAL};
 use super::basis::{Basis, Support};
 use super::error::LatticeError;
-use crate::space::ScreenBox;
+use crate::space::{RotatedBox, ScreenBox, ScreenPoint};
 
 /// Capacity that suffices for most axes and is faster to clear than [`MAX_HANDLES`].
 const USUAL: usize = 16;
@@ -32,6 +32,8 @@ pub struct Grid<const D: usize> {
     pub lo: [f64; D],
     /// Upper corner of the rest box.
     pub hi: [f64; D],
+    /// Rotation of the rest box about its centre, in radians: from the first axis to the second, in 2D counter-clockwise.
+    pub angle: f64,
 }
 
 /// A grid with moved handles.
@@ -49,8 +51,16 @@ pub type ScreenLattice = Lattice<2>;
 impl Grid<2> {
     /// Creates a grid over a box of the screen.
     #[must_use]
-    pub fn over(bounds: ScreenBox, dims: [usize; 2], basis: Basis) -> Self {
-        Self { dims, basis, lo: bounds.min.0.to_array(), hi: bounds.max.0.to_array() }
+    pub fn over(bounds: impl Into<RotatedBox>, dims: [usize; 2], basis: Basis) -> Self {
+        let RotatedBox { upright: ScreenBox { min, max }, angle } = bounds.into();
+        Self { dims, basis, lo: min.0.to_array(), hi: max.0.to_array(), angle }
+    }
+
+    /// Returns the box of the grid.
+    #[must_use]
+    pub(crate) fn bounds(&self) -> RotatedBox {
+        let upright = ScreenBox::new(ScreenPoint(self.lo.into()), ScreenPoint(self.hi.into()));
+        RotatedBox { upright, angle: self.angle }
     }
 }
 
@@ -70,6 +80,9 @@ impl<const D: usize> Grid<D> {
             if !((hi - lo).is_normal() && hi > lo && lo.is_finite()) {
                 return Err(LatticeError::Box { axis, lo, hi });
             }
+        }
+        if !self.angle.is_finite() {
+            return Err(LatticeError::Angle { angle: self.angle });
         }
         match self.handle_count() {
             found if found > MAX_HANDLES_IN_ALL => Err(LatticeError::Size { found, most: MAX_HANDLES_IN_ALL }),
@@ -129,12 +142,69 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|axis| index / self.stride(axis) % self.dims[axis])
     }
 
+    /// Returns the same grid over the box before its rotation.
+    #[must_use]
+    pub(crate) fn upright(&self) -> Self {
+        Self { angle: 0.0, ..self.clone() }
+    }
+
+    /// Rotates a vector by the angle of the box.
+    #[must_use]
+    pub(crate) fn rotated(&self, vector: [f64; D]) -> [f64; D] {
+        rotated(vector, self.angle)
+    }
+
+    /// Rotates a vector by minus the angle of the box.
+    #[must_use]
+    pub(crate) fn rotated_back(&self, vector: [f64; D]) -> [f64; D] {
+        rotated(vector, -self.angle)
+    }
+
+    /// Converts a vector in box sizes, along the axes of the box.
+    #[must_use]
+    pub(crate) fn scaled_to_box(&self, vector: [f64; D]) -> [f64; D] {
+        self.rotated(std::array::from_fn(|axis| vector[axis] * self.size(axis)))
+    }
+
+    /// Rotates a point back about the centre of the box, as if the box were not rotated.
+    #[must_use]
+    pub(crate) fn upright_from_point(&self, point: [f64; D]) -> [f64; D] {
+        self.rotated_about_center(point, -self.angle)
+    }
+
+    /// Rotates a point with the box about its centre.
+    #[must_use]
+    pub(crate) fn point_from_upright(&self, point: [f64; D]) -> [f64; D] {
+        self.rotated_about_center(point, self.angle)
+    }
+
+    fn rotated_about_center(&self, point: [f64; D], angle: f64) -> [f64; D] {
+        if angle == 0.0 {
+            return point;
+        }
+        let center: [f64; D] = std::array::from_fn(|axis| 0.5 * (self.lo[axis] + self.hi[axis]));
+        let lever: [f64; D] = rotated(std::array::from_fn(|axis| point[axis] - center[axis]), angle);
+        std::array::from_fn(|axis| center[axis] + lever[axis])
+    }
+
     /// Returns the rest position of a handle; B-spline handles start one spacing outside the box.
     #[must_use]
     pub fn rest_handle(&self, index: usize) -> [f64; D] {
         let place = self.handle_coords(index);
         let shift = self.basis.margin() as f64;
-        std::array::from_fn(|axis| self.lo[axis] + (place[axis] as f64 - shift) * self.spacing(axis))
+        self.point_from_spans(std::array::from_fn(|axis| place[axis] as f64 - shift))
+    }
+
+    /// Returns the point at this number of spans along each axis of the box.
+    #[must_use]
+    pub(crate) fn point_from_spans(&self, spans: [f64; D]) -> [f64; D] {
+        self.point_from_upright(std::array::from_fn(|axis| self.lo[axis] + spans[axis] * self.spacing(axis)))
+    }
+
+    /// Returns the point at coordinates of the box, 0 to 1 per axis.
+    #[must_use]
+    pub(crate) fn point_from_unit(&self, unit: [f64; D]) -> [f64; D] {
+        self.point_from_upright(std::array::from_fn(|axis| self.lo[axis] + unit[axis] * self.size(axis)))
     }
 
     /// Returns all rest handles, in index order.
@@ -152,6 +222,7 @@ impl<const D: usize> Grid<D> {
     /// Returns the coordinates of a point in the box, 0 to 1 per axis; not clamped.
     #[must_use]
     pub(crate) fn unit_from_point(&self, point: [f64; D]) -> [f64; D] {
+        let point = self.upright_from_point(point);
         std::array::from_fn(|axis| {
             let size = self.size(axis);
             if size > 0.0 { (point[axis] - self.lo[axis]) / size } else { 0.0 }
@@ -161,7 +232,10 @@ impl<const D: usize> Grid<D> {
     /// Returns the point of the box nearest to `point`.
     #[must_use]
     pub fn clamp_to_box(&self, point: [f64; D]) -> [f64; D] {
-        std::array::from_fn(|axis| point[axis].max(self.lo[axis]).min(self.hi[axis]))
+        let upright = self.upright_from_point(point);
+        let inside = std::array::from_fn(|axis| upright[axis].max(self.lo[axis]).min(self.hi[axis]));
+        // Points of the box keep their bits.
+        if inside == upright { point } else { self.point_from_upright(inside) }
     }
 
     /// Returns the basis functions of every axis at a point.
@@ -171,7 +245,8 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Calls `visit` for every handle with a weight at a point. Outside the box the polynomials are extended.
-    pub(crate) fn for_each_weight(&self, point: [f64; D], visit: impl FnMut(HandleWeight<D>)) {
+    pub(crate) fn for_each_weight(&self, point: [f64; D], mut visit: impl FnMut(HandleWeight<D>)) {
+        let visit = |term: HandleWeight<D>| visit(HandleWeight { gradient: self.rotated(term.gradient), ..term });
         match self.basis.support() {
             Support::Simplex => self.visit_simplex(point, visit),
             Support::Tensor { .. } => self.visit_tensor::<MAX_LOCAL>(point, visit),
@@ -268,4 +343,13 @@ impl<const D: usize> Grid<D> {
         self.for_each_weight(point, |term| row.push((term.handle, term.weight)));
         row
     }
+}
+
+/// Rotates a vector in the plane of the first two axes.
+fn rotated<const D: usize>(mut vector: [f64; D], angle: f64) -> [f64; D] {
+    if angle != 0.0 && D > 1 {
+        let (sin, cos) = angle.sin_cos();
+        (vector[0], vector[1]) = (cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]);
+    }
+    vector
 }

@@ -65,7 +65,7 @@ impl BoxFrame {
 /// ```
 /// use glam::DVec3;
 /// use pinwarp::lattice::{Basis, BoxFrame, Grid, SceneLattice};
-/// let grid = Grid { dims: [4; 3], basis: Basis::Bspline, lo: [0.0; 3], hi: [1.0; 3] };
+/// let grid = Grid { dims: [4; 3], basis: Basis::Bspline, lo: [0.0; 3], hi: [1.0; 3], angle: 0.0 };
 /// let mut lattice = grid.at_rest();
 /// lattice.handles.iter_mut().for_each(|handle| handle[1] += 0.5);
 /// let placed = SceneLattice { frame: BoxFrame::SCENE, lattice };
@@ -110,7 +110,8 @@ mod tests {
     use crate::lattice::{Basis, Grid};
 
     fn bent(basis: Basis) -> SceneLattice {
-        let mut lattice = Grid { dims: [5, 4, 6], basis, lo: [-1.0, 0.0, 0.5], hi: [1.0, 1.0, 2.0] }.at_rest();
+        let mut lattice =
+            Grid { dims: [5, 4, 6], basis, lo: [-1.0, 0.0, 0.5], hi: [1.0, 1.0, 2.0], angle: 0.0 }.at_rest();
         for (k, handle) in lattice.handles.iter_mut().enumerate() {
             (0..3).for_each(|axis| handle[axis] += 0.05 * ((k + 7 * axis) as f64).sin());
         }

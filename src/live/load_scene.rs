@@ -9,8 +9,8 @@ use crate::pipeline::PreparedShot;
 use crate::plate::WarpSettings;
 use crate::scene::{Picture, Scene, SceneError, frame_card, picture_cards};
 use crate::shot::{
-    BoxRule, CameraRule, Connectivity, FrameRange, KeyLines, Layer, LayerSpace, Output, Selection, Shot, Shutter,
-    Source, Unmatted, Visibility,
+    BoxOrientation, BoxRule, CameraRule, Connectivity, FrameRange, KeyLines, Layer, LayerSpace, Output, Selection,
+    Shot, Shutter, Source, Unmatted, Visibility,
 };
 use crate::solve::Settings;
 use crate::space::FrameSize;
@@ -131,6 +131,7 @@ fn layer(bounds: BoxRule) -> Layer {
         step: 1,
         strength: 1.0,
         stiffness: Vec::new(),
+        orientation: BoxOrientation::default(),
         symmetry: None,
         pins: Vec::new(),
         handles: Vec::new(),

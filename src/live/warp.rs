@@ -215,7 +215,5 @@ impl Warp {
 
 /// Converts a position in cells to a point of the box.
 fn on_box(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
-    let grid = &lattice.grid;
-    let at = |axis: usize| grid.lo[axis] + cells[axis] * grid.spacing(axis);
-    ScreenPoint::new(at(0), at(1))
+    ScreenPoint(lattice.grid.point_from_spans(cells).into())
 }

@@ -17,7 +17,10 @@ const STILL: f64 = 1e-8;
 /// A lattice whose displacement is extrapolated beyond its box.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ExtrapolatedLattice {
+    /// The grid before the rotation of its box.
     grid: Grid<2>,
+    /// The grid.
+    rotated: Grid<2>,
     /// Displacement of each handle: #handles, x fastest.
     moved: Vec<DVec2>,
     extrapolation: Extrapolation,
@@ -77,7 +80,8 @@ impl ExtrapolatedLattice {
             let moved = DVec2::from(to) - DVec2::from(from);
             if moved.length() < STILL { DVec2::ZERO } else { moved }
         });
-        Self { grid: lattice.grid.clone(), moved: moved.collect(), extrapolation: Extrapolation::Nearest }
+        let rotated = lattice.grid.clone();
+        Self { grid: rotated.upright(), rotated, moved: moved.collect(), extrapolation: Extrapolation::Nearest }
     }
 
     /// Creates an extrapolation that multiplies the displacement by a ramp that is 0 from the border outwards.
@@ -150,6 +154,7 @@ impl ExtrapolatedLattice {
     /// Whether the displacement is smooth within a box less than half a cell wide: neither a crease of the basis nor a
     /// creased border crosses it.
     pub(super) fn is_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
+        let [lo, hi] = self.upright_around(lo, hi);
         let is_small = (hi - lo).cmple(self.spacing() * 0.5).all() && self.is_ramp_smooth_within(lo, hi);
         let has_cells = self.grid.basis.is_piecewise_linear();
         if !is_small || (self.extrapolation != Extrapolation::Nearest && !has_cells) {
@@ -162,6 +167,16 @@ impl ExtrapolatedLattice {
         };
         let is_one_cell = (0..2).all(|axis| cell(0, axis) == cell(1, axis));
         is_one_cell && (self.grid.basis.support() != Support::Simplex || self.is_off_diagonal(ends))
+    }
+
+    /// Returns a box that contains another one after the rotation of the lattice's box is taken back.
+    fn upright_around(&self, lo: DVec2, hi: DVec2) -> [DVec2; 2] {
+        let corners = [lo, DVec2::new(hi.x, lo.y), DVec2::new(lo.x, hi.y), hi];
+        let corners = corners.map(|corner| DVec2::from(self.rotated.upright_from_point(corner.to_array())));
+        [
+            corners.into_iter().fold(DVec2::INFINITY, DVec2::min),
+            corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max),
+        ]
     }
 
     fn is_ramp_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {
@@ -178,6 +193,17 @@ impl ExtrapolatedLattice {
 
     /// Returns the displacement of a point and its gradient (column = derivative along x, y).
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
+        if self.rotated.angle == 0.0 {
+            return self.displace_upright(point);
+        }
+        let upright = self.rotated.upright_from_point(point.to_array());
+        let (by, slope) = self.displace_upright(upright.into());
+        (by, slope * DMat2::from_angle(-self.rotated.angle))
+    }
+
+    /// Returns the displacement of a point, given before the rotation of the box, and its derivatives along the axes of
+    /// the box.
+    fn displace_upright(&self, point: DVec2) -> (DVec2, DMat2) {
         let (lo, hi) = (DVec2::from(self.grid.lo), DVec2::from(self.grid.hi));
         let inside = point.max(lo).min(hi);
         let size = hi - lo;

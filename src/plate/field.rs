@@ -21,7 +21,7 @@ const CLOSE: f64 = 1e-9;
 /// use pinwarp::lattice::{Basis, Grid};
 /// use pinwarp::plate::Field;
 /// use pinwarp::space::ScreenPoint;
-/// let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] }.at_rest();
+/// let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }.at_rest();
 /// lattice.handles.iter_mut().for_each(|handle| handle[0] += 0.25);
 /// let point = ScreenPoint::new(0.5, 0.5);
 /// let moved = Field::of_picture(lattice).carry(point);

@@ -101,7 +101,7 @@ mod tests {
 
     /// Shifts everything right by a number of pixels.
     fn shift(pixels: f64) -> Field {
-        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [2.0, 1.0] };
+        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [2.0, 1.0], angle: 0.0 };
         let mut lattice = grid.at_rest();
         lattice.handles.iter_mut().for_each(|handle| handle[0] += pixels / 20.0);
         Field::of_layer(lattice)

@@ -38,6 +38,7 @@ macro_rules! in_either {
 /// handles: array (ny, nx, 2), or (nz, ny, nx, 3) in the scene: the moved positions of the handles.
 /// box: two corners, ((x0, y0), (x1, y1)), with three numbers each in the scene.
 /// basis: "bspline", "bernstein", "bilinear" or "barytri".
+/// angle: rotation of the box about its centre on the screen, in degrees, counter-clockwise.
 ///
 /// Positions on the screen are in frame heights, x right, y up, from the lower left corner of the frame; in the scene in metres.
 #[pyclass(frozen, from_py_object, module = "pinwarp")]
@@ -47,14 +48,14 @@ pub(super) struct Lattice(pub(super) Handles);
 #[pymethods]
 impl Lattice {
     #[new]
-    #[pyo3(signature = (handles, r#box, basis="bspline"))]
-    fn new(handles: &Bound<'_, PyAny>, r#box: [Vec<f64>; 2], basis: &str) -> Result<Self, Failure> {
+    #[pyo3(signature = (handles, r#box, basis="bspline", angle=0.0))]
+    fn new(handles: &Bound<'_, PyAny>, r#box: [Vec<f64>; 2], basis: &str, angle: f64) -> Result<Self, Failure> {
         let basis = named("basis", basis)?;
         let given: PyArrayLikeDyn<'_, f64, AllowTypeChange> = handles.extract().map_err(|_| shape_fault(handles))?;
         let given = given.as_array();
         match given.shape() {
-            [_, _, 2] => Ok(Self(Handles::Screen(moved(&given, &r#box, basis)?))),
-            [_, _, _, 3] => Ok(Self(Handles::World(moved(&given, &r#box, basis)?))),
+            [_, _, 2] => Ok(Self(Handles::Screen(moved(&given, (&r#box, angle), basis)?))),
+            [_, _, _, 3] => Ok(Self(Handles::World(moved(&given, (&r#box, angle), basis)?))),
             _ => Err(shape_fault(handles)),
         }
     }
@@ -63,13 +64,14 @@ impl Lattice {
     ///
     /// box: two corners.
     /// dims: number of handles along x, y (and z).
+    /// angle: rotation of the box about its centre on the screen, in degrees, counter-clockwise.
     #[staticmethod]
-    #[pyo3(signature = (r#box, dims, basis="bspline"))]
-    fn rest(r#box: [Vec<f64>; 2], dims: Vec<usize>, basis: &str) -> Result<Self, Failure> {
+    #[pyo3(signature = (r#box, dims, basis="bspline", angle=0.0))]
+    fn rest(r#box: [Vec<f64>; 2], dims: Vec<usize>, basis: &str, angle: f64) -> Result<Self, Failure> {
         let basis = named("basis", basis)?;
         match *dims.as_slice() {
-            [x, y] => Ok(Self(Handles::Screen(grid(&r#box, [x, y], basis)?.at_rest()))),
-            [x, y, z] => Ok(Self(Handles::World(grid(&r#box, [x, y, z], basis)?.at_rest()))),
+            [x, y] => Ok(Self(Handles::Screen(grid((&r#box, angle), [x, y], basis)?.at_rest()))),
+            [x, y, z] => Ok(Self(Handles::World(grid((&r#box, angle), [x, y, z], basis)?.at_rest()))),
             _ => Err(Failure::argument(
                 "dims",
                 format!("is {dims:?}"),
@@ -103,6 +105,12 @@ impl Lattice {
     #[getter]
     fn r#box(&self) -> [Vec<f64>; 2] {
         in_either!(self, own => [own.grid.lo.to_vec(), own.grid.hi.to_vec()])
+    }
+
+    /// Rotation of the box about its centre in degrees, counter-clockwise; 0 in the scene.
+    #[getter]
+    const fn angle(&self) -> f64 {
+        in_either!(self, own => own.grid.angle.to_degrees())
     }
 
     /// Positions of the handles: a new array (ny, nx, 2), or (nz, ny, nx, 3).
@@ -166,17 +174,21 @@ fn shape_fault(handles: &Bound<'_, PyAny>) -> Failure {
 
 /// Creates a grid, checking its parameters.
 pub(super) fn grid<const D: usize>(
-    corners: &[Vec<f64>; 2],
+    (corners, degrees): (&[Vec<f64>; 2], f64),
     dims: [usize; D],
     basis: Basis,
 ) -> Result<Grid<D>, Failure> {
+    if !degrees.is_finite() || D > 2 && degrees != 0.0 {
+        let hint = "give degrees; only boxes on the screen are rotated";
+        return Err(Failure::argument("angle", format!("is {degrees}"), hint));
+    }
     let corner = |side: usize| {
         <[f64; D]>::try_from(corners[side].as_slice()).map_err(|_| {
             let hint = format!("give two corners of {D} numbers");
             Failure::argument(format!("box[{side}]"), format!("is {:?}", corners[side]), hint)
         })
     };
-    let grid = Grid { dims, basis, lo: corner(0)?, hi: corner(1)? };
+    let grid = Grid { dims, basis, lo: corner(0)?, hi: corner(1)?, angle: degrees.to_radians() };
     grid.check()?;
     Ok(grid)
 }
@@ -184,11 +196,11 @@ pub(super) fn grid<const D: usize>(
 /// Creates a lattice from moved handles: the last axis holds coordinates, the axes before it run from z to x.
 fn moved<const D: usize>(
     given: &ArrayViewD<'_, f64>,
-    corners: &[Vec<f64>; 2],
+    (corners, degrees): (&[Vec<f64>; 2], f64),
     basis: Basis,
 ) -> Result<lattice::Lattice<D>, Failure> {
     let shape = given.shape();
-    let grid = grid(corners, std::array::from_fn(|axis| shape[D - 1 - axis]), basis)?;
+    let grid = grid((corners, degrees), std::array::from_fn(|axis| shape[D - 1 - axis]), basis)?;
     let flat: Vec<f64> = given.iter().copied().collect();
     if let Some(place) = flat.iter().position(|value| !value.is_finite()) {
         let hint = "give finite numbers";

@@ -126,7 +126,7 @@ impl<const D: usize> Task<D> {
         let basis = basis.map_or_else(|| Ok(Default::default()), |name| named("basis", &name))?;
         let settings = settings(options)?;
         let shape = Shape::of_triangles(points, triangles);
-        Ok(Self { grid: grid(&corners, dims, basis)?, shape, pins, settings })
+        Ok(Self { grid: grid((&corners, 0.0), dims, basis)?, shape, pins, settings })
     }
 
     fn run(&self, watch: &Watch) -> Result<(crate::lattice::Lattice<D>, SolveReport), Failure> {

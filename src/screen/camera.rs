@@ -99,6 +99,22 @@ impl Camera {
         Projected { h: view.truncate() * (0.5 * self.zoom()) + half * w, w, depth }
     }
 
+    /// Returns the direction of a vector at a point of the scene as the camera sees it: the derivative of the projection, up to a
+    /// positive factor.
+    #[must_use]
+    pub(crate) fn direction_seen(&self, at: DVec3, vector: DVec3) -> ScreenVector {
+        let (from, to) = (self.project_exact(at), self.project_exact(at + vector));
+        ScreenVector((to.h - from.h) * from.w - from.h * (to.w - from.w))
+    }
+
+    /// Returns the unit vector from the eye to a point of the scene; with a parallel projection, the direction of view.
+    #[must_use]
+    pub(crate) fn line_of_sight(&self, at: DVec3) -> DVec3 {
+        let view = self.view_from_scene.transform_point3(at);
+        let sight = if self.is_parallel() { DVec3::NEG_Z } else { view.normalize_or(DVec3::NEG_Z) };
+        self.scene_from_view().transform_vector3(sight)
+    }
+
     /// Returns the scene vector that moves a point of the given w by `vector` on the screen at constant depth.
     #[must_use]
     pub fn scene_from_screen_vector(&self, vector: ScreenVector, w: f64) -> DVec3 {

@@ -167,6 +167,8 @@ pub struct Layer {
     pub selection: Selection,
     /// The lattice's space, its handles and its box.
     pub space: LayerSpace,
+    /// The orientation of its box.
+    pub orientation: BoxOrientation,
     /// Whether the dims of `space` are chosen during preparation, from the thinnest parts of the layer and its nearest
     /// pins.
     pub has_auto_dims: bool,
@@ -278,6 +280,16 @@ pub enum BoxRule {
     Fixed(ScreenBox),
     /// The whole frame.
     Frame,
+}
+
+/// The orientation of a lattice's box: the key `lattice.frame`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoxOrientation {
+    /// A node that the box turns with. On the screen the box's second axis points along an axis of the node (0, 1, 2 for
+    /// x, y, z) as the camera sees it; in the scene the box has the axes of the node.
+    pub node: Option<(String, usize)>,
+    /// Angle in radians by which the box is rotated further on the screen, counter-clockwise.
+    pub angle: f64,
 }
 
 /// A plane perpendicular to an axis of the scene at rest.

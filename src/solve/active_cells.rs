@@ -42,6 +42,7 @@ fn mark<const D: usize>((grid, per_cell): (&Grid<D>, [f64; D]), corners: [[f64; 
     // Corners in units of cells, clamped to the box.
     let spans = grid.dims.map(|count| grid.basis.spans(count));
     let corners = corners.map(|corner| -> [f64; D] {
+        let corner = grid.upright_from_point(corner);
         std::array::from_fn(|axis| ((corner[axis] - grid.lo[axis]) * per_cell[axis]).max(0.0).min(spans[axis] as f64))
     });
     let cells = corners
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn triangles_occupy_the_cells_they_touch_and_from_outside_the_nearest() {
-        let grid = Grid { dims: [5, 5], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [4.0, 4.0] };
+        let grid = Grid { dims: [5, 5], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [4.0, 4.0], angle: 0.0 };
         let points = vec![[0.5, 0.5], [3.4, 0.5], [0.5, 3.4], [9.0, 2.5], [9.0, 2.6], [8.0, 2.6]];
         let found = active_cells(&grid, &Shape::of_triangles(points, vec![[0, 1, 2], [3, 4, 5]]));
         let rows: Vec<String> =

@@ -13,7 +13,7 @@ const WORK_PER_POLL: usize = 1 << 22;
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
 /// use pinwarp::solve::{Cancel, PointPin, Problem, Settings, Shape, SolveError, Solver};
-/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] };
+/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 };
 /// let shape = Shape::of_triangles(vec![[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]], vec![[0, 1, 2]]);
 /// let (pins, settings) = ([PointPin::new([0.5, 0.9], [0.6, 0.9])], Settings::default());
 /// let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };

@@ -35,7 +35,7 @@ const UNCHECKED: f64 = 0.02;
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
 /// use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solver};
-/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] };
+/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 };
 /// let shape = Shape::of_triangles(vec![[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]], vec![[0, 1, 2]]);
 /// let mut pin = PointPin::new([0.5, 0.9], [0.5, 0.9]);
 /// let settings = Settings::default();
@@ -53,7 +53,7 @@ const UNCHECKED: f64 = 0.02;
 #[derive(Debug)]
 pub struct Drag<'a, const D: usize> {
     solver: &'a Solver<D>,
-    /// Positions of the unknowns: the handles, or their copies where the lattice branches.
+    /// Positions of the unknowns over the upright box: the handles, or their copies where the lattice branches.
     handles: Vec<[f64; D]>,
     factor: CachedFactor,
     /// State at which the second derivative was last checked.
@@ -81,8 +81,11 @@ impl<const D: usize> Solver<D> {
     /// # Errors
     /// [`SolveError`] if the solution belongs to another solver.
     pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
+        let own = |branches: &BranchedLattice<D>| {
+            self.system().has_pieces_of(branches) || self.rotated_box().has_pieces_of(branches)
+        };
         match &from.branches {
-            Some(branches) if self.system().has_pieces_of(branches) => self.drag_unknowns(branches.copies()),
+            Some(branches) if own(branches) => self.drag_unknowns(branches.copies()),
             None if !self.system().has_branches() => self.drag_unknowns(&from.lattice.handles),
             _ => Err(SolveError::Invalid {
                 what: "the drag starts from a solution with other branches".into(),
@@ -99,7 +102,8 @@ impl<const D: usize> Solver<D> {
                 hint: "start from a solution of the same solver".into(),
             });
         }
-        Ok(Drag { solver: self, handles: from.to_vec(), factor: CachedFactor::default(), checked: None, cancel: None })
+        let handles = self.rotated_box().upright().points(from);
+        Ok(Drag { solver: self, handles, factor: CachedFactor::default(), checked: None, cancel: None })
     }
 }
 
@@ -132,17 +136,23 @@ impl<const D: usize> Drag<'_, D> {
         let settings = Settings { tolerance: TOLERANCE, ..self.solver.system().settings().clone() };
         // At most one factorisation per move, at its start, so that all moves take about the same time.
         let factors = usize::from(!self.factor.is_some());
-        self.run(pins, handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
+        let rotated_box = self.solver.rotated_box();
+        let (pins, handles) = (rotated_box.upright().pins(pins), rotated_box.upright().handles(handles));
+        self.run(&pins, &handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
         Ok(match self.branches() {
             Some(branches) => branches.lattice(0),
-            None => Lattice { grid: self.solver.system().grid().clone(), handles: self.handles.clone() },
+            None => {
+                let grid = self.solver.system().grid().clone();
+                rotated_box.lattice(Lattice { grid, handles: self.handles.clone() })
+            }
         })
     }
 
     /// Branches after the last move; `None` where the lattice of the solver is plain.
     #[must_use]
     pub fn branches(&self) -> Option<BranchedLattice<D>> {
-        self.solver.system().branches(&self.handles)
+        let upright = self.solver.system().branches(&self.handles)?;
+        Some(self.solver.rotated_box().branches(upright))
     }
 
     /// Moves pins and handles to new targets, converges to the tolerance of the settings and returns a report. Call it at the end
@@ -152,26 +162,30 @@ impl<const D: usize> Drag<'_, D> {
     /// # Errors
     /// Those of [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
+        let rotated_box = self.solver.rotated_box();
+        let upright = (rotated_box.upright().pins(pins), rotated_box.upright().handles(handles));
         let settings = self.solver.system().settings().clone();
         let limit = settings.iteration_limit;
-        let mut run = self.run(pins, handles, (&settings, [limit; 2], usize::MAX))?;
+        let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
-            run = self.solver.system().leave_saddle(run, (pins, handles), self.cancel.unwrap_or(&Cancel::never()))?;
+            run = self.solver.system().leave_saddle(
+                run,
+                (&upright.0, &upright.1),
+                self.cancel.unwrap_or(&Cancel::never()),
+            )?;
             self.handles.clone_from(&run.handles);
             self.checked = Some(run.handles.clone());
         }
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
         if is_held {
-            let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
-            return Ok(self.solver.system().finish(&goal, run));
+            let goal = Targets { pins: upright.0.into_owned(), handles: upright.1.into_owned() };
+            return Ok(rotated_box.solution(self.solver.system().finish(&goal, run)));
         }
         let never = Cancel::never();
         let solution = self.solver.with_cancel(self.cancel.unwrap_or(&never)).update(pins, handles)?;
-        self.handles = match &solution.branches {
-            Some(branches) => branches.copies().to_vec(),
-            None => solution.lattice.handles.clone(),
-        };
+        let unknowns = solution.branches.as_ref().map_or(&*solution.lattice.handles, BranchedLattice::copies);
+        self.handles = rotated_box.upright().points(unknowns);
         Ok(solution)
     }
 

@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn rows_are_sums_of_weights_whether_multiplied_out_or_not() {
         for (dims, count) in [([5, 5], 30), ([3, 9], 7), ([10, 10], 700), ([15, 15], 400), ([20, 18], 300)] {
-            let grid = Grid { dims, basis: Basis::Bernstein, lo: [-1.0; 2], hi: [1.0; 2] };
+            let grid = Grid { dims, basis: Basis::Bernstein, lo: [-1.0; 2], hi: [1.0; 2], angle: 0.0 };
             let points: Vec<[f64; 2]> = (0..count).map(|k| [(k as f64).sin(), (1.7 * k as f64).cos()]).collect();
             let mut weights = SeparableWeights::new(&grid, &points).expect("every handle acts everywhere").by_point();
             let mixed = [(count - 1, 2.0), (0, -0.5), (count / 2, 1.0)];

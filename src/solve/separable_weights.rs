@@ -241,7 +241,7 @@ mod tests {
     use crate::lattice::Basis;
 
     fn check<const D: usize>(dims: [usize; D], count: usize) {
-        let grid = Grid { dims, basis: Basis::Bernstein, lo: [-0.5; D], hi: [1.5; D] };
+        let grid = Grid { dims, basis: Basis::Bernstein, lo: [-0.5; D], hi: [1.5; D], angle: 0.0 };
         let points: Vec<[f64; D]> =
             (0..count).map(|k| std::array::from_fn(|d| ((k * (3 + 2 * d)) as f64).sin())).collect();
         let separable = SeparableWeights::new(&grid, &points).expect("every handle acts everywhere");

@@ -8,9 +8,11 @@ use super::minimization::Energies;
 use super::prefactored::TargetTerms;
 use super::problem::{HandlePin, PointPin, Problem};
 use super::report::Solution;
+use super::rotated_box::RotatedBox;
 use super::settings::Minima;
 use super::system::{Parts, System};
 use super::targets::Targets;
+use super::upright::Upright;
 use crate::lattice::{Folds, Lattice};
 
 /// Solves a problem for its handles.
@@ -26,7 +28,7 @@ pub fn solve<const D: usize>(problem: &Problem<D>) -> Result<Solution<D>, SolveE
 /// ```
 /// use pinwarp::lattice::{Basis, Grid};
 /// use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solver};
-/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] };
+/// let grid = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 };
 /// let shape = Shape::of_triangles(vec![[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]], vec![[0, 1, 2]]);
 /// let mut pin = PointPin::new([0.5, 0.9], [0.5, 0.9]);
 /// let settings = Settings::default();
@@ -40,7 +42,9 @@ pub fn solve<const D: usize>(problem: &Problem<D>) -> Result<Solution<D>, SolveE
 /// ```
 #[derive(Debug)]
 pub struct Solver<const D: usize> {
+    /// The system of the upright box.
     system: System<D>,
+    rotated_box: RotatedBox<D>,
 }
 
 impl<const D: usize> Solver<D> {
@@ -57,14 +61,22 @@ impl<const D: usize> Solver<D> {
     /// # Errors
     /// Those of [`Self::new`], and [`SolveError::Cancelled`].
     pub fn build(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
-        Ok(Self { system: System::new(problem, cancel)? })
+        problem.grid.check()?;
+        let upright = Upright::of(problem.grid);
+        let (pins, handles) = (upright.pins(problem.pins), upright.handles(problem.handles));
+        let (grid, shape) = (problem.grid.upright(), upright.shape(problem.shape));
+        let problem_upright =
+            Problem { grid: &grid, shape: &shape, pins: &pins, handles: &handles, settings: problem.settings };
+        let system = System::new(&problem_upright, cancel)?;
+        Ok(Self { rotated_box: RotatedBox::new(problem.grid, system.branching()), system })
     }
 
     /// Factors a checked problem from components that are already built.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>) -> Result<Self, SolveError> {
+        debug_assert!(problem.grid.angle == 0.0, "the box is upright");
         let mut system = System::assemble(problem, parts, &Cancel::never())?;
         system.mark_active_cells(problem.shape);
-        Ok(Self { system })
+        Ok(Self { rotated_box: RotatedBox::new(problem.grid, None), system })
     }
 
     /// Returns the solver with a hook that may cancel its solves.
@@ -82,7 +94,9 @@ impl<const D: usize> Solver<D> {
     /// Same as [`Self::solve`]; `observe` receives the energies of every step, and at the end those of the solution.
     pub(crate) fn solve_observed(&self, mut observe: impl FnMut(Energies)) -> Solution<D> {
         let solved = self.with_cancel(&Cancel::never()).run(&self.system.own_targets(), Some(&mut observe));
-        solved.expect("the targets are checked, and nothing cancels the solve")
+        solved
+            .map(|solution| self.rotated_box.solution(solution))
+            .expect("the targets are checked, and nothing cancels the solve")
     }
 
     /// Solves for new targets and prescribed gradients of the same pins and handles.
@@ -109,9 +123,14 @@ impl<const D: usize> Solver<D> {
         self.system.folds(lattice)
     }
 
-    /// The factored problem.
+    /// The factored problem of the upright box.
     pub(crate) fn system(&self) -> &System<D> {
         &self.system
+    }
+
+    /// The box of the problem.
+    pub(crate) const fn rotated_box(&self) -> &RotatedBox<D> {
+        &self.rotated_box
     }
 }
 
@@ -128,7 +147,8 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// # Errors
     /// [`SolveError::Cancelled`].
     pub fn solve(&self) -> Result<Solution<D>, SolveError> {
-        self.run(&self.solver.system.own_targets(), None)
+        let solution = self.run(&self.solver.system.own_targets(), None)?;
+        Ok(self.solver.rotated_box.solution(solution))
     }
 
     /// Same as [`Solver::update`].
@@ -136,8 +156,11 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// # Errors
     /// Those of [`Solver::update`], and [`SolveError::Cancelled`].
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
-        let to = self.solver.system.retargeted(pins, handles, self.cancel)?;
-        self.run(&self.solver.system.targets((pins, handles), &to), None)
+        let Solver { system, rotated_box } = self.solver;
+        let upright = rotated_box.upright();
+        let (pins, handles) = (&*upright.pins(pins), &*upright.handles(handles));
+        let to = system.retargeted(pins, handles, self.cancel)?;
+        Ok(rotated_box.solution(self.run(&system.targets((pins, handles), &to), None)?))
     }
 
     /// Same as [`Solver::follow`].
@@ -146,8 +169,10 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// Those of [`Solver::follow`], and [`SolveError::Cancelled`].
     pub fn follow(&self, path: &[Targets<D>]) -> Result<Solution<D>, SolveError> {
         let Some(goal) = path.last() else { return self.solve() };
-        match self.solver.system.follow_winding(path, self.cancel)? {
-            Some(result) => Ok(self.solver.system.finish(goal, result)),
+        let Solver { system, rotated_box } = self.solver;
+        let upright: Vec<Targets<D>> = path.iter().map(|targets| rotated_box.upright().targets(targets)).collect();
+        match system.follow_winding(&upright, self.cancel)? {
+            Some(result) => Ok(rotated_box.solution(system.finish(upright.last().unwrap_or(goal), result))),
             None => self.update(&goal.pins, &goal.handles),
         }
     }

@@ -478,6 +478,11 @@ impl<const D: usize> System<D> {
         Solution { lattice, branches, report }
     }
 
+    /// The copies of handles; `None` if the lattice does not branch.
+    pub(crate) fn branching(&self) -> Option<&Branching<D>> {
+        self.branching.as_deref()
+    }
+
     /// Whether the lattice branches, so that some handles have copies.
     pub(crate) fn has_branches(&self) -> bool {
         self.branching.is_some()

@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn turns_go_on_past_a_whole_one_and_steps_are_small() {
-        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
+        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
         let state = |degrees: f64| {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let pins = [[0.2, 0.1], [0.8, 0.1]].map(|at| PointPin::new(at, at));

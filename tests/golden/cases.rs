@@ -75,7 +75,8 @@ fn drawn(mut shot: Shot, frame: i32, device: DeviceChoice) -> Result<Frame, Pipe
 
 /// A lattice over the whole frame whose middle is pulled up and to the right.
 fn pulled(aspect: f64) -> ScreenLattice {
-    let mut lattice = Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [aspect, 1.0] }.at_rest();
+    let mut lattice =
+        Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [aspect, 1.0], angle: 0.0 }.at_rest();
     for index in [14, 15, 20, 21] {
         lattice.handles[index][0] += 0.25;
         lattice.handles[index][1] += 0.15;

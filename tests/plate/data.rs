@@ -18,7 +18,8 @@ const NAMES: [&str; 3] = ["ball", "box", "wall"];
 
 /// Turned about the middle of the frame, grown, and bent: no sample lands on a sample.
 fn bent() -> Field {
-    let mut lattice = Grid { dims: [5, 5], basis: Basis::Bspline, lo: [-0.6, -0.5], hi: [2.0, 1.5] }.at_rest();
+    let mut lattice =
+        Grid { dims: [5, 5], basis: Basis::Bspline, lo: [-0.6, -0.5], hi: [2.0, 1.5], angle: 0.0 }.at_rest();
     for handle in &mut lattice.handles {
         let [x, y] = [handle[0] - 0.66, handle[1] - 0.5];
         let (sin, cos) = 0.35_f64.sin_cos();
@@ -130,7 +131,8 @@ fn a_layer_picked_by_cryptomatte_takes_its_ids_and_leaves_the_others() {
 
 /// The fields of a layer that turns a little more each frame.
 fn turning(degrees: f64) -> Field {
-    let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-2.0, -2.0], hi: [3.0, 3.0] }.at_rest();
+    let mut lattice =
+        Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-2.0, -2.0], hi: [3.0, 3.0], angle: 0.0 }.at_rest();
     let (sin, cos) = degrees.to_radians().sin_cos();
     for handle in &mut lattice.handles {
         let [x, y] = [handle[0] - 0.5, handle[1] - 0.5];

@@ -166,7 +166,7 @@ fn non_finite_numbers_do_not_spread() {
         }
     };
     let picture = plate(FRAME, FRAME, vec![channel("R", Storage::Half, FRAME, bad)]);
-    let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-8.0; 2], hi: [8.0; 2] }.at_rest();
+    let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-8.0; 2], hi: [8.0; 2], angle: 0.0 }.at_rest();
     lattice.handles.iter_mut().for_each(|handle| handle[0] += 0.4 / 16.0);
     let (moved, report) =
         warped(&picture, vec![layer("all", Field::of_layer(lattice), None)], &WarpSettings::default());
@@ -232,7 +232,8 @@ fn a_matte_that_the_plate_lacks_is_named() {
 fn a_folded_layer_shows_what_lies_behind_where_it_is_transparent_in_front() {
     // Right of column 12 the layer turns back and lies over itself; only its left half is opaque.
     let lattice = {
-        let mut lattice = Grid { dims: [4, 2], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [1.5, 1.0] }.at_rest();
+        let mut lattice =
+            Grid { dims: [4, 2], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [1.5, 1.0], angle: 0.0 }.at_rest();
         for handle in &mut lattice.handles {
             // Columns 0, 8, 16 and 24 of the frame go to 0, 16, 8 and 24.
             handle[0] = [0.0, 1.0, 0.5, 1.5][(handle[0] * 2.0).round() as usize];
@@ -271,7 +272,8 @@ fn each_view_of_one_part_has_its_own_mask() {
 /// Columns 0, 8, 16 and 24 of the frame go to 0, 16, 8 and 24: the middle turns over, and from 8 to 16 the picture lies over
 /// itself. Left of 12 the right part moved further, so it lies in front.
 fn folded() -> Field {
-    let mut lattice = Grid { dims: [4, 2], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [1.5, 1.0] }.at_rest();
+    let mut lattice =
+        Grid { dims: [4, 2], basis: Basis::Bilinear, lo: [0.0, 0.0], hi: [1.5, 1.0], angle: 0.0 }.at_rest();
     for handle in &mut lattice.handles {
         handle[0] = [0.0, 1.0, 0.5, 1.5][(handle[0] * 2.0).round() as usize];
     }

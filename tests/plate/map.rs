@@ -10,7 +10,12 @@ const FRAME: FrameSize = FrameSize { width: 160, height: 90, pixel_aspect: 1.0 }
 
 /// A lattice whose handles are moved by `amount` of a pitch.
 fn shaken(basis: Basis, amount: f64) -> Lattice<2> {
-    let mut lattice = Grid { dims: [6, 7], basis, lo: [0.4, 0.2], hi: [1.3, 0.8] }.at_rest();
+    shaken_in(basis, amount, 0.0)
+}
+
+/// The same in a box that is rotated by an angle.
+fn shaken_in(basis: Basis, amount: f64, angle: f64) -> Lattice<2> {
+    let mut lattice = Grid { dims: [6, 7], basis, lo: [0.4, 0.2], hi: [1.3, 0.8], angle }.at_rest();
     let pitch = [0, 1].map(|axis| lattice.grid.spacing(axis));
     for (k, handle) in lattice.handles.iter_mut().enumerate() {
         handle[0] += amount * pitch[0] * (12.9898 * k as f64).sin();
@@ -21,7 +26,7 @@ fn shaken(basis: Basis, amount: f64) -> Lattice<2> {
 
 /// A lattice whose handles are moved by up to `amount` of a pitch, at random.
 pub(super) fn random(basis: Basis, amount: f64, seed: u32) -> Lattice<2> {
-    let mut lattice = Grid { dims: [7, 6], basis, lo: [0.4, 0.2], hi: [1.3, 0.8] }.at_rest();
+    let mut lattice = Grid { dims: [7, 6], basis, lo: [0.4, 0.2], hi: [1.3, 0.8], angle: 0.0 }.at_rest();
     let pitch = [0, 1].map(|axis| lattice.grid.spacing(axis));
     let mut state = 0x9E37_79B9_7F4A_7C15_u64 ^ u64::from(seed);
     for handle in &mut lattice.handles {
@@ -40,7 +45,8 @@ fn places() -> impl Iterator<Item = DVec2> {
 
 #[test]
 fn a_field_is_its_lattice_inside_the_box_and_a_layers_outside_too() {
-    for lattice in BASES.map(|basis| shaken(basis, 0.2)) {
+    let upright_and_rotated = BASES.into_iter().flat_map(|basis| [0.0, 0.5].map(|angle| shaken_in(basis, 0.2, angle)));
+    for lattice in upright_and_rotated {
         let (layer, picture) = (Field::of_layer(lattice.clone()), Field::of_picture(lattice.clone()));
         for point in places().map(ScreenPoint) {
             let wanted = lattice.warp(point).0;
@@ -53,8 +59,9 @@ fn a_field_is_its_lattice_inside_the_box_and_a_layers_outside_too() {
 
 #[test]
 fn gradients_are_slopes_and_inverses_come_back() {
-    for basis in BASES {
-        let (layer, picture) = (Field::of_layer(shaken(basis, 0.2)), Field::of_picture(shaken(basis, 0.2)));
+    for (basis, angle) in BASES.into_iter().flat_map(|basis| [(basis, 0.0), (basis, 0.5)]) {
+        let lattice = shaken_in(basis, 0.2, angle);
+        let (layer, picture) = (Field::of_layer(lattice.clone()), Field::of_picture(lattice));
         let both = Field::chain(vec![picture.clone(), layer.clone()]);
         for field in [layer, picture, both, Field::identity()] {
             for point in places() {
@@ -125,7 +132,8 @@ fn a_warp_and_its_inverse_cancel() {
 
 #[test]
 fn what_no_moved_handle_reaches_stays_to_the_bit() {
-    let mut lattice = Grid { dims: [12, 12], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.7, 1.0] }.at_rest();
+    let mut lattice =
+        Grid { dims: [12, 12], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.7, 1.0], angle: 0.0 }.at_rest();
     lattice.handles[5 + 12 * 6][0] += 0.05;
     // Noise of a solver.
     lattice.handles.iter_mut().for_each(|handle| handle[1] += 1e-10);

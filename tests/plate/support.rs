@@ -22,7 +22,8 @@ pub(crate) fn window(x: i32, y: i32, width: u32, height: u32) -> PixelRect {
 
 /// Everything moves by whole pixels, x right and y down, of a frame of `height` pixels.
 pub(crate) fn shift(dx: i32, dy: i32, height: u32) -> Field {
-    let mut lattice = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-8.0, -8.0], hi: [8.0, 8.0] }.at_rest();
+    let mut lattice =
+        Grid { dims: [4, 4], basis: Basis::Bspline, lo: [-8.0, -8.0], hi: [8.0, 8.0], angle: 0.0 }.at_rest();
     for handle in &mut lattice.handles {
         handle[0] += f64::from(dx) / f64::from(height);
         handle[1] -= f64::from(dy) / f64::from(height);

@@ -2,8 +2,9 @@
 
 use crate::support::{Studio, write_scene};
 use crate::tiny::{Lens, Part, Tiny, grid};
-use pinwarp::pipeline::PinAnchor;
+use pinwarp::pipeline::{PinAnchor, PreparedShot};
 use pinwarp::screen::project;
+use pinwarp::shot::Shot;
 use pinwarp::space::ScreenPoint;
 
 /// A square from (.6, .3) to (1, .7) on the screen that moves by `x` frame heights a frame.
@@ -106,4 +107,74 @@ fn pins_fade_before_the_near_plane() {
     }
     let acting = |frame: f64| prepared.sample_at(frame).map_or(99, |sample| sample.layers[0].pins.len());
     assert_eq!([acting(8.0), acting(9.5), acting(10.5)], [1, 1, 0]);
+}
+
+/// The same studio with the square turned, and the box turned with it.
+fn turned(angle: f64, lattice: &str) -> Studio {
+    let layer = format!(
+        "[[layer]]\nlattice = {{ dims = [4, 4], {lattice} }}\n[[layer.pin]]\nunit = \"box\"\n\
+         anchor = {{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }}\n\
+         keys = [{{ frame = 1, offset = [0.1, 0.05], rotate = 20 }}]\n[[layer.pin]]\nname = \"still\"\n\
+         anchor = {{ node = \"Quad\", triangle = 7, barycentric = [0.0, 1.0, 0.0] }}\n\
+         [[layer.handle]]\nindex = [1, 2]\nkeys = [{{ frame = 1, offset = [0.2, 0.1] }}]\n"
+    );
+    let mut studio = Studio::tiny(&Tiny::of(vec![square(0.0)]), &layer);
+    let scene: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(studio.scene()).expect("the scene is there")).expect("JSON");
+    let node = scene["nodes"].as_array().expect("nodes").iter().position(|node| node["name"] == "Quad");
+    studio.turn_node(node.expect("the square"), glam::DQuat::from_rotation_z(angle));
+    studio
+}
+
+#[test]
+fn a_box_that_turns_with_its_node_moves_the_model_alike() {
+    let (center, frame) = (glam::DVec2::new(0.8, 0.5), "frame = { node = \"Quad\" }");
+    let lattice = |angle: f64, lattice: &str| {
+        let sample = turned(angle, lattice).prepared().sample_at(3.0).expect("the frame is solved");
+        sample.layers[0].solution.as_ref().expect("the layer is warped").lattice.clone()
+    };
+    let upright = lattice(0.0, frame);
+    for angle in [0.4, 2.5, -2.0] {
+        let turn = |point: glam::DVec2| center + glam::DVec2::from_angle(angle).rotate(point - center);
+        let miss = |found: &pinwarp::lattice::ScreenLattice| {
+            let places = (0..25).map(|k| glam::DVec2::new(0.6 + 0.1 * f64::from(k % 5), 0.3 + 0.1 * f64::from(k / 5)));
+            let gap = |place: glam::DVec2| {
+                (found.warp(ScreenPoint(turn(place))).0 - turn(upright.warp(ScreenPoint(place)).0)).length()
+            };
+            places.map(gap).fold(0.0, f64::max)
+        };
+        let (with, without) = (lattice(angle, frame), lattice(angle, "box = \"follow\""));
+        assert!((with.grid.angle - angle).abs() < 1e-6, "{}", with.grid.angle);
+        assert!(miss(&with) < 1e-6, "{:.1e} at {angle}", miss(&with));
+        assert!(miss(&without) > 1e-3, "an upright box moves the turned square otherwise: {:.1e}", miss(&without));
+        // The same by a number: the square at rest with a turned box, and a quarter turn that changes nothing but the axes.
+        let by_angle = lattice(angle, &format!("frame = {{ angle = {} }}", angle.to_degrees()));
+        assert!(miss(&by_angle) < 1e-6, "{:.1e} at {angle}", miss(&by_angle));
+    }
+}
+
+#[test]
+fn faults_of_box_frames_name_the_key() {
+    let studio = Studio::tiny(&Tiny::of(vec![square(0.0)]), "");
+    let fault = |lattice: &str| {
+        let text = format!(
+            "version = 1\nscene = \"tiny.gltf\"\nframes = {{ first = 1, last = 3, rate = 24 }}\n[[layer]]\nlattice = {{ {lattice} }}\n"
+        );
+        match Shot::parse(&text, &studio.scene().with_file_name("shot.toml")) {
+            Ok(shot) => PreparedShot::new(shot).expect_err("a fault").to_string(),
+            Err(error) => error.to_string(),
+        }
+    };
+    for (lattice, wanted) in [
+        ("frame = {}", "names no node and no angle"),
+        ("frame = { axis = \"x\" }", "add `node`"),
+        ("frame = { node = \"Quat\" }", "there is no node 'Quat' in the scene"),
+        ("frame = { angle = 20 }, box = \"frame\"", "cannot turn the box of the whole frame"),
+    ] {
+        let told = fault(lattice);
+        assert!(told.contains("layer[0].lattice.frame") && told.contains(wanted), "{lattice}: {told}");
+    }
+    let prepared = turned(0.0, "frame = { node = \"Quad\", axis = \"z\" }").prepared();
+    let note = prepared.notes.iter().find(|note| note.contains("points at the camera in frame 1"));
+    assert!(note.is_some_and(|note| note.contains("the z axis of 'Quad'")), "{:?}", prepared.notes);
 }

@@ -20,7 +20,7 @@ pub(crate) fn few() -> ProptestConfig {
 }
 
 pub(crate) fn grid<const D: usize>(count: usize, basis: Basis) -> Grid<D> {
-    Grid { dims: [count; D], basis, lo: [0.0; D], hi: [1.0; D] }
+    Grid { dims: [count; D], basis, lo: [0.0; D], hi: [1.0; D], angle: 0.0 }
 }
 
 /// A square sheet of `count` x `count` cells, standing in the middle of the box in 3D.

@@ -72,7 +72,7 @@ fn unrest(lattice: &Lattice<2>, pin: &PointPin<2>, radius: f64) -> f64 {
 
 #[test]
 fn a_model_within_one_cell_keeps_its_shape_in_a_region_as_wide_as_the_lattice() {
-    let grid = Grid { dims: [4, 5], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
+    let grid = Grid { dims: [4, 5], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
     // The cells are 1 x 1/2: everything lies in the lower one.
     let mut shape = sheet::<2>(6);
     shape.points.iter_mut().for_each(|point| *point = [0.2 + 0.5 * point[0], 0.05 + 0.4 * point[1]]);

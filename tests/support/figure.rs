@@ -71,7 +71,7 @@ fn add_eye(shape: &mut Shape<2>, at: [f64; 2]) {
 
 /// A lattice around it, its box padded by a tenth.
 pub(crate) fn around(dims: usize, basis: Basis) -> Grid<2> {
-    Grid { dims: [dims, dims], basis, lo: [-1.2, -1.25], hi: [1.2, 1.15] }
+    Grid { dims: [dims, dims], basis, lo: [-1.2, -1.25], hi: [1.2, 1.15], angle: 0.0 }
 }
 
 /// Hands and feet where the pose puts them, head and belly shifted.

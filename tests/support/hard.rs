@@ -73,7 +73,12 @@ pub(crate) fn hard(number: u64) -> Hard {
         PointPin::new(at, [at[0] + length * angle.cos(), at[1] + length * angle.sin()])
     });
     let pins = pins.collect();
-    let grid =
-        Grid { dims: [side, side], basis: Basis::Bspline, lo: padded.map(|[lo, _]| lo), hi: padded.map(|[_, hi]| hi) };
+    let grid = Grid {
+        dims: [side, side],
+        basis: Basis::Bspline,
+        lo: padded.map(|[lo, _]| lo),
+        hi: padded.map(|[_, hi]| hi),
+        angle: 0.0,
+    };
     Hard { grid, shape, pins }
 }

@@ -90,6 +90,7 @@ impl Limb {
             basis: Basis::Bspline,
             lo: std::array::from_fn(|d| lo[d] - padding[d]),
             hi: std::array::from_fn(|d| hi[d] + padding[d]),
+            angle: 0.0,
         };
         Self { keys, is_pinned, rest, grid, shape, settings: Settings::default(), window: usize::MAX }
     }

@@ -42,7 +42,11 @@ fn pressed(seed: u64) -> Hard {
     });
     let pins = pins.collect();
     let dims = [10, 6 + (seed % 5) as usize];
-    Hard { grid: Grid { dims, basis: Basis::Bspline, lo: [-1.1, -0.35], hi: [1.1, 0.35] }, shape: strip(half), pins }
+    Hard {
+        grid: Grid { dims, basis: Basis::Bspline, lo: [-1.1, -0.35], hi: [1.1, 0.35], angle: 0.0 },
+        shape: strip(half),
+        pins,
+    }
 }
 
 /// A straight strip from −1 to 1 of this half width.

@@ -9,7 +9,7 @@ use crate::edit::track::{Move, handle_moved, key_time, moved};
 use crate::pipeline::LayerMarks;
 use crate::shot::edit::put_handle;
 use crate::shot::{HandleTrack, LayerSpace, PinKey, PinRegion, Shot};
-use crate::space::ScreenPoint;
+use crate::space::{RotatedBox, ScreenPoint};
 use crate::spelling::other_side;
 use glam::DVec2;
 use std::sync::Arc;
@@ -236,14 +236,14 @@ impl Session {
         let chosen = self.selection.pins.iter().map(|&at| (at, change));
         for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
-            let keys = moved(base, at, (time, self.auto_key), change, self.box_size(at[0]))?;
+            let keys = moved(base, at, (time, self.auto_key), change, self.rest_box(at[0]))?;
             shot.layers[at[0]].pins[at[1]].keys = keys;
         }
         shot.copy_mirrored_keys();
         let Move::By(by) = change else { return Ok(shot) };
         for &(layer, index) in &self.selection.handles {
             let owner = &base.layers[layer];
-            let (Some(size), LayerSpace::Screen { .. }) = (self.box_size(layer), owner.space) else { continue };
+            let (Some(rest_box), LayerSpace::Screen { .. }) = (self.rest_box(layer), owner.space) else { continue };
             let place = owner.handles.iter().position(|track| track.index == index);
             let time = key_time(&base.frames, owner, frame);
             // The keys' own value there, without strength applied.
@@ -252,7 +252,7 @@ impl Session {
                 (plain.strength, plain.step) = (1.0, 1);
                 plain.pin_path(&base.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place])
             });
-            let by = by / size / if owner.strength == 0.0 { 1.0 } else { owner.strength };
+            let by = rest_box.box_sizes(by) / if owner.strength == 0.0 { 1.0 } else { owner.strength };
             let track = place.map(|place| &owner.handles[place]);
             let first = f64::from(base.frames.first);
             let keys = handle_moved(track, (time, first), [by.x, by.y, 0.0], said.unwrap_or_default());
@@ -402,7 +402,7 @@ impl Session {
         self.marks().iter().find(|marks| marks.layer == layer)
     }
 
-    fn box_size(&self, layer: usize) -> Option<DVec2> {
-        Some(self.marks_of(layer)?.rest_box?.size())
+    fn rest_box(&self, layer: usize) -> Option<RotatedBox> {
+        self.marks_of(layer)?.rest_box
     }
 }

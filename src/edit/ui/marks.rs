@@ -103,7 +103,7 @@ impl Over<'_> {
     /// Returns the spacing of a screen-space lattice's lines in points.
     fn line_spacing(&self, marks: &LayerMarks) -> f32 {
         let Some(rest) = marks.rest_box else { return WIDE };
-        let [low, high] = [rest.min, rest.max].map(|corner| self.at(corner));
+        let [low, high] = [rest.upright.min, rest.upright.max].map(|corner| self.at(corner));
         let cells = (marks.lines.len() as f32 / 2.0 - 1.0).max(1.0);
         (high.x - low.x).abs().max((high.y - low.y).abs()) / cells
     }

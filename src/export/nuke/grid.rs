@@ -55,7 +55,9 @@ fn knot(lattice: &Lattice<2>, frame: FrameSize, (place, side): ([usize; 2], Side
     let step: [f64; 2] = [0, 1].map(|axis| grid.size(axis) / spans[axis] as f64);
     let at = rest(grid, place, spans);
     let (image, right, up) = match side {
-        Side::Source => (at, [step[0] / 3.0, 0.0], [0.0, step[1] / 3.0]),
+        Side::Source => {
+            (grid.point_from_upright(at), grid.rotated([step[0] / 3.0, 0.0]), grid.rotated([0.0, step[1] / 3.0]))
+        }
         Side::Destination => moved(lattice, at, step),
     };
     let pixels = |[x, y]: [f64; 2]| frame.pixels_from_screen(ScreenVector::new(x, y)).to_array();
@@ -64,6 +66,7 @@ fn knot(lattice: &Lattice<2>, frame: FrameSize, (place, side): ([usize; 2], Side
     [place, pixels(up), pixels(back(up)), pixels(right), pixels(back(right))]
 }
 
+/// Returns a crossing of lines of the box before its rotation.
 fn rest(grid: &Grid<2>, place: [usize; 2], spans: [usize; 2]) -> [f64; 2] {
     [0, 1].map(|axis| grid.lo[axis] + grid.size(axis) * place[axis] as f64 / spans[axis] as f64)
 }
@@ -71,19 +74,20 @@ fn rest(grid: &Grid<2>, place: [usize; 2], spans: [usize; 2]) -> [f64; 2] {
 /// Returns the image of a point of the box, and a third of its slope over a span to the right and upwards: the handles of a cubic with
 /// the ends and slopes of the lattice. Piecewise linear cells have corners there; their handles are the mean of both sides.
 fn moved(lattice: &Lattice<2>, at: [f64; 2], step: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 2]) {
+    let upright = lattice.grid.upright();
     let is_cell = lattice.grid.basis.is_piecewise_linear();
     let slope = |axis: usize| -> [f64; 2] {
         let reach = if is_cell { step[axis] * 0.5 } else { step[axis] * 1e-3 };
         let side = |sign: f64| {
             let mut point = at;
             point[axis] += sign * reach;
-            let inside = lattice.grid.clamp_to_box(point);
-            (inside[axis], lattice.evaluate(inside))
+            let inside = upright.clamp_to_box(point);
+            (inside[axis], lattice.evaluate(lattice.grid.point_from_upright(inside)))
         };
         let ((low, from), (high, to)) = (side(-1.0), side(1.0));
         [0, 1].map(|d| (to[d] - from[d]) / (high - low) * step[axis] / 3.0)
     };
-    (lattice.evaluate(at), slope(0), slope(1))
+    (lattice.evaluate(lattice.grid.point_from_upright(at)), slope(0), slope(1))
 }
 
 /// Formats a position or handle: constant, or a curve with a key per frame.
@@ -109,7 +113,7 @@ mod tests {
     use crate::lattice::Basis;
 
     fn knob(shift: f64, side: Side) -> String {
-        let rest = Grid { dims: [5, 4], basis: Basis::Bspline, lo: [0.25, 0.5], hi: [0.75, 1.0] }.at_rest();
+        let rest = Grid { dims: [5, 4], basis: Basis::Bspline, lo: [0.25, 0.5], hi: [0.75, 1.0], angle: 0.0 }.at_rest();
         let mut moved = rest.clone();
         moved.handles.iter_mut().for_each(|handle| handle[0] += shift);
         grid_knob(&BTreeMap::from([(1, rest), (2, moved)]), FrameSize::new(200, 100), side)

@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn the_map_is_read_relative_to_the_script_and_the_plate_is_the_first_input() {
-        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
+        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
         let track = Track::Screen(BTreeMap::from([(7, grid.at_rest())]));
         let layers = vec![LatticeTrack {
             name: "left arm".into(),

@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn what_is_nearer_is_in_front_and_of_equals_the_first_is_behind() {
         let frame = FrameSize::new(64, 64);
-        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] };
+        let grid = Grid { dims: [4, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
         let mut moved = grid.at_rest();
         moved.handles.iter_mut().for_each(|handle| handle[0] -= 0.5);
         let lattices = [grid.at_rest(), moved];

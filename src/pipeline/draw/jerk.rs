@@ -213,9 +213,8 @@ impl FramePoints {
             _ => [0.0, pin.log_scale.unwrap_or(0.0)],
         });
         self.wanted.extend(turns.map(|[turn, stretch]| Some(ScreenVector::new(lever * turn, lever * stretch))));
-        let size = [lattice.grid.size(0), lattice.grid.size(1)];
-        let offsets = targets.handles.iter().map(|offset| ScreenVector::new(offset[0] * size[0], offset[1] * size[1]));
-        self.wanted.extend(offsets.map(Some));
+        let offsets = targets.handles.iter().map(|offset| lattice.grid.scaled_to_box([offset[0], offset[1]]));
+        self.wanted.extend(offsets.map(|offset| Some(ScreenVector(offset.into()))));
     }
 }
 

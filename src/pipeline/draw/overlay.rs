@@ -159,9 +159,8 @@ impl Picture {
         let margin = lattice.grid.basis.margin();
         let [nx, ny] = lattice.grid.dims.map(|count| lattice.grid.basis.spans(count));
         let warped = |i: f64, j: f64| {
-            let share = [i / nx as f64, j / ny as f64];
-            let at = |axis: usize| lattice.grid.lo[axis] + share[axis] * lattice.grid.size(axis);
-            self.px(lattice.warp(ScreenPoint::new(at(0), at(1))))
+            let at = lattice.grid.point_from_unit([i / nx as f64, j / ny as f64]);
+            self.px(lattice.warp(ScreenPoint(at.into())))
         };
         let along = |k: usize| k as f64 / PIECES as f64;
         for &([i, j], fold) in folds {
@@ -199,7 +198,7 @@ impl Picture {
             (place.w > 0.0 && place.depth >= self.camera.near()).then(|| self.px(place.point()))
         };
         let warped = |share: [f64; 3]| {
-            let at = std::array::from_fn(|axis| grid.lo[axis] + share[axis] / spans[axis] as f64 * grid.size(axis));
+            let at = grid.point_from_unit(std::array::from_fn(|axis| share[axis] / spans[axis] as f64));
             seen(placed.warp(frame.scene_from_box(DVec3::from_array(at))))
         };
         for axis in 0..3 {

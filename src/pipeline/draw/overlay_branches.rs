@@ -48,7 +48,7 @@ impl BranchPicture {
         let [r, g, b] = TINTS[number % TINTS.len()];
         let grid = &self.lattice.grid;
         let warped = |x: f64, y: f64| {
-            let at = ScreenPoint::new(grid.lo[0] + x * grid.spacing(0), grid.lo[1] + y * grid.spacing(1));
+            let at = ScreenPoint(grid.point_from_spans([x, y]).into());
             frame.image_from_screen(self.lattice.warp(at))
         };
         for &([i, j], is_folded) in &self.cells {

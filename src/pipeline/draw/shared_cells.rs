@@ -83,7 +83,8 @@ fn pairs<'a>(
         move |pair: &[usize; 2]| solve.conflicts.iter().any(|told| told == pair || *told == [pair[1], pair[0]]);
     all.filter_map(move |(indices, pins)| {
         let between = (pins[1].rest - pins[0].rest).0;
-        let cells = (0..2).map(|axis| between[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max);
+        let along = grid.rotated_back(between.to_array());
+        let cells = (0..2).map(|axis| along[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max);
         let apart = difference(pins).length();
         let stretch = (pins[1].target - pins[0].target).0.length() / between.length().max(f64::MIN_POSITIVE);
         let is_meant = cells > 0.0 && cells < APART_CELLS && stretch > STRETCH && apart * height_px > MIN_PX;

@@ -3,11 +3,40 @@
 //! In: bounds in a frame and its neighbours. Out: a box that depends on the shot and the frame alone. The cached bounds
 //! are those that recomputation would yield.
 
+use crate::space::{RotatedBox, ScreenBox, ScreenPoint};
+use glam::DVec2;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 /// Lower and upper corner.
 pub(in crate::pipeline) type Bounds<const D: usize> = [[f64; D]; 2];
+
+/// Bounds on the screen in axes that are rotated by an angle, in radians, about the origin of the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::pipeline) struct TurnedBounds {
+    /// Lower and upper corner along the rotated axes.
+    pub(in crate::pipeline) bounds: Bounds<2>,
+    /// Angle of the axes.
+    pub(in crate::pipeline) angle: f64,
+}
+
+impl TurnedBounds {
+    /// Returns bounds of the same size and centre along the axes of another angle.
+    pub(in crate::pipeline) fn along(self, angle: f64) -> Bounds<2> {
+        if angle == self.angle {
+            return self.bounds;
+        }
+        let [lo, hi] = self.bounds.map(DVec2::from);
+        let (center, half) = (DVec2::from_angle(self.angle - angle).rotate((lo + hi) * 0.5), (hi - lo) * 0.5);
+        [(center - half).to_array(), (center + half).to_array()]
+    }
+
+    /// Returns the box.
+    pub(in crate::pipeline) fn rotated_box(self) -> RotatedBox {
+        let [lo, hi] = self.along(0.0);
+        RotatedBox { upright: ScreenBox::new(ScreenPoint(lo.into()), ScreenPoint(hi.into())), angle: self.angle }
+    }
+}
 
 /// Padding of a followed box on each side, relative to its size.
 const PADDING: f64 = 0.1;
@@ -75,22 +104,17 @@ pub(in crate::pipeline) fn thickened<const D: usize>([lo, hi]: Bounds<D>, least:
 
 /// Bounds of all layers at whole frames, each computed once.
 #[derive(Debug)]
-pub(in crate::pipeline) struct BoundsCache<const D: usize>(Mutex<HashMap<i32, Vec<Option<Bounds<D>>>>>);
+pub(in crate::pipeline) struct BoundsCache<T>(Mutex<HashMap<i32, Vec<Option<T>>>>);
 
-impl<const D: usize> Default for BoundsCache<D> {
+impl<T> Default for BoundsCache<T> {
     fn default() -> Self {
         Self(Mutex::default())
     }
 }
 
-impl<const D: usize> BoundsCache<D> {
+impl<T: Copy> BoundsCache<T> {
     /// Returns the bounds of a layer at a frame; `all` computes those of every layer on a cache miss.
-    pub(in crate::pipeline) fn at(
-        &self,
-        layer: usize,
-        frame: i32,
-        all: impl FnOnce() -> Vec<Option<Bounds<D>>>,
-    ) -> Option<Bounds<D>> {
+    pub(in crate::pipeline) fn at(&self, layer: usize, frame: i32, all: impl FnOnce() -> Vec<Option<T>>) -> Option<T> {
         let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(all) = known().get(&frame) {
             return all[layer];

@@ -1,15 +1,15 @@
-//! Rest boxes of lattices, on the screen and in the scene: fixed, or following the layer's model.
+//! Rest boxes of lattices, on the screen and in the scene: fixed, or following the layer's model; upright, or turned with a node.
 //!
 //! In: a [`PreparedShot`], a layer, a pose. Out: the rest box of the layer's lattice.
 
-use super::followed_box::{Bounds, SmoothingWindow, thickened, union};
+use super::followed_box::{Bounds, SmoothingWindow, TurnedBounds, thickened, union};
 use super::time_sample::TimeSample;
 use crate::lattice::{BoxFrame, Grid};
 use crate::pipeline::PreparedShot;
 use crate::pose::Pose;
 use crate::screen::{self, Camera, Extent, ScreenMesh, bounds, primitive, reach_of_frame};
-use crate::shot::{BoxRule, LayerSpace, WorldBoxRule};
-use crate::space::{ScreenBox, ScreenPoint};
+use crate::shot::{BoxOrientation, BoxRule, LayerSpace, WorldBoxRule};
+use crate::space::{RotatedBox, ScreenBox, ScreenPoint};
 
 /// Minimum side of a box on the screen, in frame heights.
 const MIN_SIDE: f64 = 0.01;
@@ -26,42 +26,56 @@ pub(in crate::pipeline) fn screen_box(
     sample: &TimeSample,
     index: usize,
     rule: BoxRule,
-) -> Option<ScreenBox> {
+) -> Option<RotatedBox> {
+    let angle = box_angle(prepared, index, &sample.pose, &sample.camera);
     match rule {
-        BoxRule::Fixed(fixed) => Some(fixed),
+        BoxRule::Fixed(upright) => Some(RotatedBox { upright, angle }),
         BoxRule::Frame => {
             let corner = ScreenPoint::new(prepared.shot.size.aspect(), 1.0);
-            Some(ScreenBox::new(ScreenPoint::default(), corner))
+            Some(ScreenBox::new(ScreenPoint::default(), corner).into())
         }
         BoxRule::Follow => {
             let now = screen_bounds(prepared, index, &sample.pose, &sample.mesh(), &sample.camera);
             let window = SmoothingWindow::new(sample.frame);
-            let at = |frame: i32| (frame, screen_bounds_at(prepared, index, frame));
+            let along = |bounds: Option<TurnedBounds>| bounds.map(|bounds| bounds.along(angle));
+            let at = |frame: i32| (frame, along(screen_bounds_at(prepared, index, frame)));
             let neighbours: Vec<_> = window.frames().map(at).collect();
-            let [min, max] = thickened(window.smooth(&neighbours, now)?, MIN_SIDE);
-            Some(ScreenBox::new(ScreenPoint(min.into()), ScreenPoint(max.into())))
+            let bounds = thickened(window.smooth(&neighbours, along(now))?, MIN_SIDE);
+            Some(TurnedBounds { bounds, angle }.rotated_box())
         }
     }
 }
 
-/// Returns the bounds of a layer on the screen: lower left and upper right corner.
+/// Returns the angle of a screen layer's box, in radians.
+fn box_angle(prepared: &PreparedShot, index: usize, pose: &Pose, camera: &Camera) -> f64 {
+    let BoxOrientation { node, angle } = &prepared.shot.layers[index].orientation;
+    let turned = node.as_ref().and_then(|(name, axis)| {
+        let placed = pose.scene_from_node[prepared.scene.node_named(name)?].as_dmat4();
+        let up = camera.direction_seen(placed.w_axis.truncate(), placed.col(*axis).truncate());
+        Some(f64::atan2(-up.0.x, up.0.y)).filter(|angle| angle.is_finite())
+    });
+    turned.unwrap_or(0.0) + angle
+}
+
+/// Returns the bounds of a layer on the screen, along the axes of its box.
 pub(in crate::pipeline) fn screen_bounds(
     prepared: &PreparedShot,
     layer: usize,
     pose: &Pose,
     mesh: &ScreenMesh,
     camera: &Camera,
-) -> Option<Bounds<2>> {
+) -> Option<TurnedBounds> {
+    let angle = box_angle(prepared, layer, pose, camera);
     let reach = reach_of_frame(prepared.shot.size);
     let counts = |part: usize, corners: &[u32; 3]| prepared.assignment.share(layer, part).meets(corners);
     let parts = &prepared.assignment.parts_of_layer[layer];
-    let extent = Extent { parts, counts: &counts, near: camera.near(), reach };
+    let extent = Extent { parts, counts: &counts, near: camera.near(), reach, angle };
     let bounds = bounds(&prepared.scene, pose, mesh, extent)?;
-    Some([bounds.min.0.to_array(), bounds.max.0.to_array()])
+    Some(TurnedBounds { bounds: [bounds.min.0.to_array(), bounds.max.0.to_array()], angle })
 }
 
 /// Returns the bounds of a layer on the screen at a whole frame; those of all layers are computed together and cached.
-fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<2>> {
+fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<TurnedBounds> {
     prepared.cache.screen_bounds.at(layer, frame, || {
         let (pose, camera) = prepared.view(f64::from(frame));
         let mesh = screen::project(&pose, &camera);
@@ -91,13 +105,15 @@ pub(in crate::pipeline) fn world_grid(
             (box_frame(prepared, index, pose), thickened([lo, hi], least))
         }
     };
-    Some((placed, Grid { dims, basis: layer.basis, lo, hi }))
+    Some((placed, Grid { dims, basis: layer.basis, lo, hi, angle: 0.0 }))
 }
 
-/// Returns the rigid frame of the node that carries a layer, which the layer's box follows.
+/// Returns the rigid frame of the node that a layer's box follows: the one named, or the one that carries the layer.
 fn box_frame(prepared: &PreparedShot, index: usize, pose: &Pose) -> BoxFrame {
-    let carrier = prepared.assignment.carriers[index].map(|node| pose.scene_from_node[node].as_dmat4());
-    carrier.map_or(BoxFrame::SCENE, BoxFrame::of)
+    let named = prepared.shot.layers[index].orientation.node.as_ref();
+    let named = named.and_then(|(name, _)| prepared.scene.node_named(name));
+    let node = named.or(prepared.assignment.carriers[index]);
+    node.map(|node| pose.scene_from_node[node].as_dmat4()).map_or(BoxFrame::SCENE, BoxFrame::of)
 }
 
 /// Returns the bounds of a layer's triangles and lines in the frame of its box.

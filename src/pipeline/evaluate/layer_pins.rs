@@ -37,8 +37,8 @@ pub(in crate::pipeline) fn moved_handles<const D: usize>(
 ) -> Vec<HandlePin<D>> {
     let handle = |(track, offset): (&HandleTrack, &[f64; 3])| {
         let index = (0..D).map(|axis| track.index[axis] * grid.stride(axis)).sum();
-        let rest = grid.rest_handle(index);
-        HandlePin { index, target: std::array::from_fn(|axis| rest[axis] + offset[axis] * grid.size(axis)) }
+        let (rest, by) = (grid.rest_handle(index), grid.scaled_to_box(std::array::from_fn(|axis| offset[axis])));
+        HandlePin { index, target: std::array::from_fn(|axis| rest[axis] + by[axis]) }
     };
     layer.handles.iter().zip(&targets.handles).map(handle).collect()
 }
@@ -98,7 +98,7 @@ mod tests {
 
     /// Returns the largest displacement of the border when every handle that is not held moves.
     fn border_moves(basis: Basis) -> f64 {
-        let grid = Grid { dims: [8, 9], basis, lo: [0.0, 0.0], hi: [1.6, 1.0] };
+        let grid = Grid { dims: [8, 9], basis, lo: [0.0, 0.0], hi: [1.6, 1.0], angle: 0.0 };
         let mut lattice = grid.at_rest();
         let held: Vec<usize> = held_border(&grid, &[]).iter().map(|handle| handle.index).collect();
         let free = (0..grid.handle_count()).filter(|index| !held.contains(index));
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn handles_with_keys_are_not_held() {
-        let grid = Grid { dims: [8, 9], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.6, 1.0] };
+        let grid = Grid { dims: [8, 9], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.6, 1.0], angle: 0.0 };
         let moved = [HandlePin { index: 0, target: [1.0, 1.0] }];
         assert_eq!(held_border(&grid, &moved).len() + 1, held_border(&grid, &[]).len());
         assert_eq!(held_border(&grid, &[]).len(), 72 - 2 * 3);

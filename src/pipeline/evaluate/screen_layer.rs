@@ -13,7 +13,7 @@ use crate::pipeline::prepare::reflection::{MirroredPin, ScreenReflection};
 use crate::pipeline::{LayerState, PinAnchor, PinState, PipelineError, PreparedShot, RestPoint, TimeSample};
 use crate::shot::{BoxRule, Goal, Layer, LayerSpace, OffsetUnit, PinTargets, Rotation, Source};
 use crate::solve::{Cancel, PointPin, SolveError, Solver, Targets, Topology};
-use crate::space::{ScreenBox, ScreenPoint, ScreenVector};
+use crate::space::{ScreenPoint, ScreenVector};
 use std::borrow::Cow;
 
 /// A screen layer and the anchors of its pins: the shot's own, or a layer controlled by a host program.
@@ -33,7 +33,6 @@ pub(crate) struct LayerTask<'a> {
 #[derive(Debug)]
 pub(crate) struct LayerSolver {
     frame: f64,
-    rest_box: ScreenBox,
     grid: Grid<2>,
     /// One per pin of the layer.
     rests: Vec<RestPoint>,
@@ -84,7 +83,7 @@ pub(in crate::pipeline) fn solve(
             let ScreenShape { shape, starts } = screen_shape_with_starts(prepared, sample, index);
             (shape, starts)
         };
-        return Ok(loaded.state(&prepared.shot, layer, key_frame, (rest_box, shape)));
+        return Ok(loaded.state(layer, key_frame, (rest_box, shape)));
     }
     if layer.pins.is_empty() && layer.handles.is_empty() {
         return Ok(LayerState::default());
@@ -143,7 +142,6 @@ pub(in crate::pipeline) fn unfactored(
     let mesh = sample.mesh();
     Some(LayerSolver {
         frame: sample.frame,
-        rest_box,
         grid: Grid::over(rest_box, dims, layer.basis),
         rests: anchors.iter().map(|anchor| anchor.rest(&mesh, &sample.camera)).collect(),
         mirrored: screen_mirrors(prepared, sample, task),
@@ -295,7 +293,7 @@ impl LayerSolver {
             let offset = match target.goal {
                 Goal::Offset(offset) => match layer.pins[pin].unit {
                     OffsetUnit::Frame => offset,
-                    OffsetUnit::Box => ScreenVector(offset.0 * self.rest_box.size()),
+                    OffsetUnit::Box => ScreenVector(self.grid.scaled_to_box(offset.0.to_array()).into()),
                 },
                 Goal::Target(place) => {
                     let from = mirror.map_or(rest.point, |mirror| mirror.source);
@@ -322,7 +320,7 @@ impl LayerSolver {
                 target: goal.0.to_array(),
                 weight: faded_weight(rest.presence * self.weight(layer, pin)),
                 gradient,
-                region: region(&layer.pins[pin], self.rest_box.size().length()),
+                region: region(&layer.pins[pin], self.grid.diagonal()),
                 triangle: self.triangles.get(pin).copied().flatten(),
             });
         }

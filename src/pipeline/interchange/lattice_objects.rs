@@ -160,6 +160,7 @@ fn filled(poses: Poses, dims: [usize; 3]) -> Option<Vec<LatticePose>> {
 }
 
 fn is_inside<const D: usize>(grid: &Grid<D>, point: [f64; D]) -> bool {
+    let point = grid.upright_from_point(point);
     (0..D).all(|axis| {
         let slack = BOX_TOLERANCE * grid.size(axis);
         (grid.lo[axis] - slack..=grid.hi[axis] + slack).contains(&point[axis])
@@ -199,7 +200,8 @@ fn moved<const D: usize>(lattice: &Lattice<D>) -> Vec<[f64; 3]> {
     let extents = extents(&lattice.grid);
     let rest = lattice.grid.at_rest().handles;
     let of_handle = |(handle, rest): (&[f64; D], &[f64; D])| {
-        std::array::from_fn(|axis| if axis < D { (handle[axis] - rest[axis]) / extents[axis] } else { 0.0 })
+        let by = lattice.grid.rotated_back(std::array::from_fn(|axis| handle[axis] - rest[axis]));
+        std::array::from_fn(|axis| if axis < D { by[axis] / extents[axis] } else { 0.0 })
     };
     lattice.handles.iter().zip(&rest).map(of_handle).collect()
 }
@@ -219,10 +221,11 @@ fn card_pose(frame: i32, lattice: &ScreenLattice, (camera, anchor, seen): (&Came
     let grid = &lattice.grid;
     let across = |x: f64, y: f64| camera.scene_from_screen_vector(ScreenVector::new(x, y), seen.w);
     let [width, height] = extents(grid);
+    let [right, up] = [[width, 0.0], [0.0, height]].map(|side| grid.rotated(side));
     let center = [0, 1].map(|axis| 0.5 * (grid.lo[axis] + grid.hi[axis]));
     let at = seen.point().0;
     let origin = anchor + across(center[0] - at.x, center[1] - at.y);
-    let columns = [across(width, 0.0), across(0.0, height), camera.towards_viewer().as_dvec3()];
+    let columns = [across(right[0], right[1]), across(up[0], up[1]), camera.towards_viewer().as_dvec3()];
     LatticePose { frame, scene_from_lattice: affine(columns, origin), moved: moved(lattice) }
 }
 

@@ -4,6 +4,7 @@
 
 pub(super) mod anchors;
 pub(super) mod auto_dims;
+pub(super) mod box_frames;
 pub(super) mod branch_lattices;
 pub(super) mod cameras;
 pub(super) mod layer_assignment;
@@ -82,6 +83,7 @@ impl PreparedShot {
             // Shots derived from this one for other scenes keep the resolved camera.
             shot.camera = CameraRule::Own(camera.clone());
         }
+        box_frames::check(&shot, &scene)?;
         let loaded = transfer::load(&shot, &mut notes)?;
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
         let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
@@ -107,6 +109,7 @@ impl PreparedShot {
         attach_pins(&mut prepared, &first)?;
         auto_dims::choose(&mut prepared);
         note_unwarped(&mut prepared);
+        box_frames::note_foreshortened(&mut prepared);
         note_costly(&mut prepared);
         let coarse = coarse_meshes(&prepared, &first);
         prepared.notes.extend(coarse);

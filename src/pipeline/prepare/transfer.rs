@@ -10,12 +10,9 @@ use crate::pipeline::evaluate::part_triangle_ranges::PartTriangleRanges;
 use crate::pipeline::{LayerState, PipelineError};
 use crate::shot::{Layer, Shot, Transfer, TransferFit};
 use crate::solve::{BranchedLattice, Shape, Solution, SolveReport, Topology};
-use crate::space::ScreenBox;
+use crate::space::RotatedBox;
 use crate::spelling;
 use std::collections::BTreeMap;
-
-/// Error of a lattice rotated by its landmarks above which it is reported, pixels.
-const TURNED_TOLERANCE_PX: f64 = 0.1;
 
 /// The lattices of a file, by frames of this shot.
 #[derive(Clone, Debug)]
@@ -94,10 +91,9 @@ impl Loaded {
     /// lattice is laid and `shape` the shape that it moves; both are called only if needed.
     pub(in crate::pipeline) fn state(
         &self,
-        shot: &Shot,
         layer: &Layer,
         key_frame: f64,
-        (rest_box, shape): (impl FnOnce() -> Option<ScreenBox>, impl FnOnce() -> (Shape<2>, Vec<PartTriangleRanges>)),
+        (rest_box, shape): (impl FnOnce() -> Option<RotatedBox>, impl FnOnce() -> (Shape<2>, Vec<PartTriangleRanges>)),
     ) -> LayerState {
         let (ends, share) = self.around(key_frame);
         let [before, after] = ends;
@@ -110,8 +106,7 @@ impl Loaded {
                 None => return LayerState::default(),
             },
         };
-        let fitted = source.transferred(&fit);
-        let lattice = fitted.lattice.with_strength(layer.strength);
+        let lattice = source.transferred(&fit).with_strength(layer.strength);
         let mut state = LayerState::default();
         let mut warnings = Vec::new();
         let branched = self.has_branches.then(|| {
@@ -131,11 +126,6 @@ impl Loaded {
             }
             None => None,
         };
-        let error_px = fitted.error * f64::from(shot.size.height);
-        if error_px > TURNED_TOLERANCE_PX {
-            let text = format!("turned by its landmarks, the lattice follows its source within {error_px:.2} px only");
-            warnings.push(text);
-        }
         let solution = match branches {
             Some((branches, starts)) => {
                 state.starts = starts;

@@ -42,7 +42,7 @@ impl SourceFrame {
     /// Returns the branched lattice over a shape at rest.
     pub(in crate::pipeline) fn over(&self, rest: &BranchedLattice<2>, fit: &LatticeFit) -> BranchedLattice<2> {
         let SourceParts { lattices, regions } = self.parts.get_or_init(|| self.parts());
-        let lattices: Vec<ScreenLattice> = lattices.iter().map(|lattice| lattice.transferred(fit).lattice).collect();
+        let lattices: Vec<ScreenLattice> = lattices.iter().map(|lattice| lattice.transferred(fit)).collect();
         rest.moved_by(&lattices, |point| branches_at(regions, self.lattice.origin_of(point, fit)))
     }
 

@@ -121,7 +121,7 @@ impl Timeline<2> for LayerTimeline<'_> {
     fn window(&self) -> usize {
         match self.layer().space {
             LayerSpace::Screen { dims, .. } => {
-                let grid = Grid { dims, basis: self.layer().basis, lo: [0.0; 2], hi: [1.0; 2] };
+                let grid = Grid { dims, basis: self.layer().basis, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
                 knots_per_gib(&grid, is_branching(self.layer()).then(|| self.triangle_count()))
             }
             LayerSpace::World { .. } => usize::MAX,

@@ -48,7 +48,7 @@ impl Timeline<3> for WorldTimeline<'_> {
     fn window(&self) -> usize {
         match self.layer().space {
             LayerSpace::World { dims, .. } => {
-                knots_per_gib(&Grid { dims, basis: self.layer().basis, lo: [0.0; 3], hi: [1.0; 3] }, None)
+                knots_per_gib(&Grid { dims, basis: self.layer().basis, lo: [0.0; 3], hi: [1.0; 3], angle: 0.0 }, None)
             }
             LayerSpace::Screen { .. } => usize::MAX,
         }

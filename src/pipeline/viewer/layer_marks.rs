@@ -10,7 +10,7 @@ use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::screen::Camera;
 use crate::shot::LayerSpace;
 use crate::solve::{Shape, active_cells};
-use crate::space::{ScreenBox, ScreenPoint};
+use crate::space::{RotatedBox, ScreenPoint};
 use glam::{DVec2, DVec3};
 
 /// Line segments per cell and line of the lattice.
@@ -31,7 +31,7 @@ pub struct LayerMarks {
     /// Outlines of folded cells that contain part of the model.
     pub folded: Vec<Vec<ScreenPoint>>,
     /// The rest box of a screen layer's lattice.
-    pub rest_box: Option<ScreenBox>,
+    pub rest_box: Option<RotatedBox>,
     /// The active pins.
     pub pins: Vec<PinMark>,
     /// Distortion at the points of each line: ratio of the singular values of the warp's gradient, largest to smallest.
@@ -104,8 +104,7 @@ fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Sha
     let grid = &lattice.grid;
     let spans = grid.dims.map(|count| grid.basis.spans(count));
     let at = |cells: [f64; 2]| {
-        let [x, y] = std::array::from_fn(|axis| grid.lo[axis] + cells[axis] / spans[axis] as f64 * grid.size(axis));
-        ScreenPoint::new(x, y)
+        ScreenPoint(grid.point_from_unit(std::array::from_fn(|axis| cells[axis] / spans[axis] as f64)).into())
     };
     let mut lines = Vec::new();
     for along in 0..2 {
@@ -135,7 +134,7 @@ fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Sha
         lines: lines.iter().map(|line| line.iter().map(|&point| lattice.warp(point)).collect()).collect(),
         handles: lattice.handles.iter().map(|&[x, y]| Some(ScreenPoint::new(x, y))).collect(),
         folded: folded_model_cells(lattice, shape).into_iter().map(outline).collect(),
-        rest_box: Some(ScreenBox::new(at([0.0; 2]), at(spans.map(|count| count as f64)))),
+        rest_box: Some(grid.bounds()),
         ..marks
     }
 }
@@ -178,7 +177,7 @@ fn of_scene(marks: LayerMarks, placed: &SceneLattice, camera: &Camera) -> LayerM
                 cells[axis] = k as f64 / PIECES as f64;
                 cells[u] = (line % (spans[u] + 1)) as f64;
                 cells[v] = (line / (spans[u] + 1)) as f64;
-                let at = std::array::from_fn(|a| grid.lo[a] + cells[a] / spans[a] as f64 * grid.size(a));
+                let at = grid.point_from_unit(std::array::from_fn(|a| cells[a] / spans[a] as f64));
                 seen(placed.warp(frame.scene_from_box(DVec3::from_array(at))))
             };
             lines.push((0..=spans[axis] * PIECES).map_while(along).collect());

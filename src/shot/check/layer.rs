@@ -6,9 +6,9 @@ use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::{MAX_HANDLES_IN_ALL, Support};
 use crate::shot::raw::{
-    RawAuto, RawBox, RawDims, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace,
+    RawAuto, RawAxis, RawBox, RawDims, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace,
 };
-use crate::shot::{BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule};
+use crate::shot::{BoxOrientation, BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule};
 use crate::solve::{Minima, Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
@@ -58,6 +58,7 @@ impl Check<'_> {
             matte: raw.matte.as_ref().and_then(|matte| self.matte(matte, &format!("{key}.matte"), shot)),
             name: raw.name.unwrap_or_else(|| format!("layer{}", index + 1)),
             space,
+            orientation: self.orientation(&raw.lattice, &key, shot),
             has_auto_dims: self.has_auto_dims(&raw.lattice, !handles.is_empty(), &key),
             connectivity: self.connectivity(&raw.lattice, &key, shot),
             basis: raw.lattice.basis,
@@ -141,6 +142,37 @@ impl Check<'_> {
             RawBox::Frame => BoxRule::Frame,
             RawBox::Fixed(corners) => self.fixed_box(corners, &format!("{key}.box.fixed"), shot),
         }
+    }
+
+    /// Returns the orientation of the box.
+    fn orientation(&mut self, raw: &RawLattice, layer: &str, shot: &LayerDefaults) -> BoxOrientation {
+        let Some(frame) = &raw.frame else { return BoxOrientation::default() };
+        let key = format!("{layer}.lattice.frame");
+        let is_world = raw.space == RawSpace::World;
+        let is_whole_frame = match raw.bounds {
+            RawBox::Frame => true,
+            RawBox::Follow => shot.source == Kind::Frame,
+            RawBox::Fixed(_) => false,
+        };
+        let faults = [
+            (frame.node.is_none() && frame.angle.is_none(), "names no node and no angle", "add `node` or `angle`"),
+            (frame.node.is_none() && frame.axis.is_some(), "has an axis, but no node", "add `node`, or remove `axis`"),
+            (
+                frame.node.is_some() && shot.source != Kind::Scene,
+                "needs the nodes of a `scene`",
+                "give an angle instead",
+            ),
+            (is_whole_frame && !is_world, "cannot turn the box of the whole frame", "give box = { fixed = [..] }"),
+            (is_world && frame.angle.is_some(), "has an angle, which the screen alone has", "remove `angle`"),
+            (is_world && frame.axis.is_some(), "has an axis; boxes in the scene take all three", "remove `axis`"),
+            (is_world && matches!(raw.bounds, RawBox::Fixed(_)), "cannot turn a fixed box", "remove `box`"),
+        ];
+        if let Some((_, what, hint)) = faults.into_iter().find(|(is_fault, ..)| *is_fault) {
+            self.fault(&key, what, hint);
+        }
+        let axis = frame.axis.unwrap_or(RawAxis::Y).index();
+        let node = frame.node.clone().map(|node| (node, axis));
+        BoxOrientation { node, angle: frame.angle.unwrap_or(0.0).to_radians() }
     }
 
     fn fixed_box(&mut self, corners: &[f64], key: &str, shot: &LayerDefaults) -> BoxRule {

@@ -3,7 +3,7 @@
 //! In: all checked layers, and the pins that `mirror` names. Out: the layers, with [`Mirror`]s, keys and units set.
 
 use super::{Check, Kind, LayerDefaults};
-use crate::shot::raw::{RawAxis, RawMirror, RawSymmetry};
+use crate::shot::raw::{RawMirror, RawSymmetry};
 use crate::shot::{AxisPlane, Layer, LayerSpace, Mirror};
 use crate::spelling;
 
@@ -13,11 +13,7 @@ pub(super) type Followed = Vec<Vec<Option<RawMirror>>>;
 impl Check<'_> {
     /// Returns the plane of a layer's `symmetry`.
     pub(super) fn symmetry(&mut self, raw: RawSymmetry, layer: &str, shot: &LayerDefaults) -> AxisPlane {
-        let axis = match raw.axis {
-            RawAxis::X => 0,
-            RawAxis::Y => 1,
-            RawAxis::Z => 2,
-        };
+        let axis = raw.axis.index();
         if axis == 2 && shot.source != Kind::Scene {
             let hint = "write \"x\" for left and right, \"y\" for top and bottom";
             self.fault(&format!("{layer}.symmetry.axis"), "pictures and plates have no depth", hint);

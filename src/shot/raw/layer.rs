@@ -163,9 +163,26 @@ pub(in crate::shot) struct RawLattice {
     /// it, in diagonals of the layer at rest; default: 0.1.
     #[schemars(range(min = 0.0, max = 10.0), example = 0.1)]
     pub(in crate::shot) island_radius: Option<f64>,
+    /// What the box turns with; default: nothing, on the screen it is upright.
+    #[schemars(example = serde_json::json!({ "node": "Head" }), example = serde_json::json!({ "angle": 30.0 }))]
+    pub(in crate::shot) frame: Option<RawBoxFrame>,
     /// The box that the lattice covers at rest.
     #[serde(rename = "box")]
     pub(in crate::shot) bounds: RawBox,
+}
+
+/// The coordinate frame of a lattice's box. Set node, angle or both.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawBoxFrame {
+    /// Name of the node, or joint, that the box turns with.
+    #[schemars(length(min = 1), example = &"Head")]
+    pub(in crate::shot) node: Option<String>,
+    /// Axis of the node that the box's vertical sides follow on the screen; default: y.
+    pub(in crate::shot) axis: Option<RawAxis>,
+    /// Angle in degrees by which the box is rotated on the screen, counter-clockwise; with a node in addition to its angle.
+    #[schemars(range(min = -360.0, max = 360.0), example = 30.0)]
+    pub(in crate::shot) angle: Option<f64>,
 }
 
 /// The space of a lattice.
@@ -316,6 +333,17 @@ pub(in crate::shot) enum RawAxis {
     Z,
 }
 
+impl RawAxis {
+    /// Returns its index: 0, 1, 2 for x, y, z.
+    pub(in crate::shot) const fn index(self) -> usize {
+        match self {
+            Self::X => 0,
+            Self::Y => 1,
+            Self::Z => 2,
+        }
+    }
+}
+
 /// The order of a pin, constant or with keys.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
@@ -459,6 +487,7 @@ impl Default for RawLattice {
             cuts: Vec::new(),
             joins: Vec::new(),
             island_radius: None,
+            frame: None,
             bounds: RawBox::Follow,
         }
     }

@@ -7,6 +7,7 @@ use super::{Branching, checked_width, handles_of_cell};
 use crate::lattice::{Folds, Grid, Lattice};
 use crate::solve::error::SolveError;
 use crate::solve::problem::{PointPin, Shape};
+use crate::solve::upright::Upright;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
@@ -38,7 +39,9 @@ impl<const D: usize> BranchedLattice<D> {
     /// # Errors
     /// [`SolveError::Invalid`] if the grid's basis or the shape does not support branching lattices.
     pub(crate) fn at_rest(grid: &Grid<D>, shape: &Shape<D>) -> Result<Self, SolveError> {
-        let branching = Branching::split(grid, shape, checked_width(grid, shape)?);
+        let shape = Upright::of(grid).shape(shape);
+        let branching = Branching::split(&grid.upright(), &shape, checked_width(grid, &shape)?);
+        let branching = if grid.angle == 0.0 { branching } else { branching.rotated(grid) };
         let copies = branching.rest();
         Ok(Self { branching: Arc::new(branching), copies })
     }

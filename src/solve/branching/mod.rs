@@ -117,6 +117,18 @@ impl<const D: usize> Branching<D> {
         }
     }
 
+    /// The same pieces over a grid that is rotated with the shape.
+    pub(crate) fn rotated(&self, grid: &Grid<D>) -> Self {
+        let corners = |corners: &[[f64; D]; 3]| corners.map(|corner| grid.point_from_upright(corner));
+        let cut = |cut: &Cut<D>| Cut { polygon: cut.polygon.mapped(|corner| grid.point_from_upright(corner)), ..*cut };
+        Self {
+            grid: grid.clone(),
+            triangles: self.triangles.iter().map(corners).collect(),
+            cuts: self.cuts.iter().map(cut).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Number of copies, which are the unknowns of a solve.
     pub(crate) fn count(&self) -> usize {
         self.handles.len()
@@ -175,6 +187,7 @@ impl<const D: usize> Branching<D> {
     pub(crate) fn piece_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
         let first = self.cuts.partition_point(|cut| cut.triangle < triangles.start);
         let cuts = self.cuts[first..].iter().take_while(|cut| cut.triangle < triangles.end).enumerate();
+        let point = self.grid.upright_from_point(*point);
         let gap = |cut: &Cut<D>| {
             let place = self.grid.cell_coords(cut.cell);
             let outside = (0..D).map(|axis| {

@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn the_matrix_gives_the_products_of_directions() {
-        let grid = Grid { dims: [5, 4, 4], basis: Basis::Bspline, lo: [0.0; 3], hi: [1.0, 0.8, 0.6] };
+        let grid = Grid { dims: [5, 4, 4], basis: Basis::Bspline, lo: [0.0; 3], hi: [1.0, 0.8, 0.6], angle: 0.0 };
         let wave = |k: usize| (12.9898 * k as f64).sin();
         let at = |k: usize| std::array::from_fn(|d| grid.hi[d] * (0.5 + 0.45 * wave(3 * k + d)));
         let samples: Vec<Sample<3>> =

@@ -247,7 +247,7 @@ mod tests {
     use crate::solve::Region;
 
     fn grid() -> Grid<2> {
-        Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2] }
+        Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 }
     }
 
     fn line(points: &[[f64; 2]], is_closed: bool) -> Line<2> {

@@ -90,7 +90,7 @@ pub(super) fn grid<const D: usize>(file: &ProblemFile, shape: &Shape<D>) -> Resu
         Some([lo, hi]) => [point(lo, || "bbox[0]".into())?, point(hi, || "bbox[1]".into())?],
         None => padded_bounds(&shape.points),
     };
-    let grid = Grid { dims: file.dims(), basis: file.basis()?, lo, hi };
+    let grid = Grid { dims: file.dims(), basis: file.basis()?, lo, hi, angle: 0.0 };
     grid.check().map_err(crate::solve::SolveError::from)?;
     Ok(grid)
 }

@@ -21,6 +21,12 @@ impl<const D: usize> Polygon<D> {
         polygon
     }
 
+    /// The polygon with every corner moved.
+    pub(crate) fn mapped(mut self, to: impl Fn([f64; D]) -> [f64; D]) -> Self {
+        self.corners[..self.count].iter_mut().for_each(|corner| *corner = to(*corner));
+        self
+    }
+
     pub(crate) fn corners(&self) -> &[[f64; D]] {
         &self.corners[..self.count]
     }

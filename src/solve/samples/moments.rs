@@ -247,7 +247,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn grid() -> Grid<2> {
-        Grid { dims: [6, 5], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0] }
+        Grid { dims: [6, 5], basis: Basis::Bspline, lo: [0.0, 0.0], hi: [1.0, 1.0], angle: 0.0 }
     }
 
     /// Area, first and second moments of samples about the origin.

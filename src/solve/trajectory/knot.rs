@@ -63,7 +63,7 @@ pub(crate) enum Descent {
 }
 
 impl<const D: usize> Knot<D> {
-    /// Samples and factors a problem. The initial state is the rigid fit.
+    /// Samples and factors a problem over an upright box. The initial state is the rigid fit.
     pub(crate) fn new(problem: TimedProblem<D>, settings: &Settings, cancel: &Cancel) -> Result<Self, SolveError> {
         let TimedProblem { grid, shape, path, points, drawing } = problem;
         let goal = path.last().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });

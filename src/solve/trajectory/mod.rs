@@ -19,8 +19,10 @@ use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::MinimizationResult;
 use super::report::Solution;
+use super::rotated_box::RotatedBox;
 use super::settings::Settings;
 use super::targets::Targets;
+use super::upright::Upright;
 use chain::{Chain, SettledInterval};
 use displacement::Displacement;
 use knot::{Knot, Proximal};
@@ -71,7 +73,8 @@ impl<const D: usize> Trajectory<D> {
         let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), (3 * count).saturating_sub(1));
         let knot_at = |time: f64| -> Result<Option<Knot<D>>, T::Error> {
             let Some(problem) = timeline.at(time)? else { return Ok(None) };
-            Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
+            let grid = problem.grid.clone();
+            Ok(Some(Knot::new(Upright::of(&grid).problem(problem), timeline.settings(), &Cancel::never())?))
         };
         let build = |index: usize| {
             let knot = knot_at(coupling.knot_time(index));
@@ -140,12 +143,15 @@ impl<const D: usize> Trajectory<D> {
         settings: &Settings,
         cancel: &Cancel,
     ) -> Result<Solution<D>, SolveError> {
+        let grid = problem.grid.clone();
+        let problem = Upright::of(&grid).problem(problem);
         let shape = problem.shape.clone();
         let mut knot = Knot::new(problem, settings, cancel)?;
         knot.system.mark_active_cells(&shape);
         let result = self.solve_knot(&mut knot, time, cancel)?;
         let goal = knot.goal().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
-        Ok(knot.system.finish(&goal, result))
+        let rotated_box = RotatedBox::new(&grid, knot.system.branching());
+        Ok(rotated_box.solution(knot.system.finish(&goal, result)))
     }
 
     /// The state of a knot if there is one at this time, else the proximal step between the neighbouring knots.
