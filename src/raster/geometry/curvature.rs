@@ -2,7 +2,7 @@
 //!
 //! In: a lattice. Out: an upper estimate of the second derivative of its warp over any square of the screen.
 
-use crate::lattice::ScreenLattice;
+use crate::lattice::{Grid, ScreenLattice};
 use crate::solve::BranchedLattice;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
@@ -16,6 +16,8 @@ pub(super) const MIN_LENGTH: f64 = 1e-3;
 /// The maximum second derivative in each cell of a regular table over the lattice box, and in 2x2 blocks of cells, and
 /// so on up to one block.
 pub(super) struct Curvature {
+    /// The grid, whose box may be rotated; `lo` and `size` are those of the box before its rotation.
+    grid: Grid<2>,
     lo: DVec2,
     size: DVec2,
     /// `levels[l]` holds blocks of 2^l cells a side; `side >> l` of them, rows from below.
@@ -29,10 +31,12 @@ impl Curvature {
     /// Samples a lattice at twice the density of its handles.
     pub(super) fn of(lattice: &ScreenLattice) -> Self {
         let side = (2 * lattice.grid.dims[0].max(lattice.grid.dims[1])).next_power_of_two().clamp(16, 128);
-        let lo = DVec2::from_array(lattice.grid.lo);
-        let size = DVec2::from_array(lattice.grid.hi) - lo;
-        let place = |i: usize, j: usize| lo + size * (DVec2::new(i as f64, j as f64) / side as f64);
-        let row = |j: usize| (0..=side).map(move |i| lattice.jacobian(ScreenPoint(place(i, j)))).collect::<Vec<_>>();
+        let (lo, size) = corner_and_size(&lattice.grid);
+        let place = |i: usize, j: usize| {
+            let upright = lo + size * (DVec2::new(i as f64, j as f64) / side as f64);
+            ScreenPoint(lattice.grid.point_from_upright(upright.to_array()).into())
+        };
+        let row = |j: usize| (0..=side).map(move |i| lattice.jacobian(place(i, j))).collect::<Vec<_>>();
         let gradients: Vec<Vec<DMat2>> = (0..=side).map(row).collect();
         let step = size / side as f64;
         let cells = (0..side * side)
@@ -46,13 +50,12 @@ impl Curvature {
             .collect();
         let border = (0..=side).flat_map(|k| [(0, k), (side, k), (k, 0), (k, side)]);
         let kink = border.map(|(i, j)| change(gradients[j][i], DMat2::IDENTITY)).fold(0.0, f64::max);
-        Self { lo, size, levels: pyramid(cells, side), side, kink }
+        Self { grid: lattice.grid.clone(), lo, size, levels: pyramid(cells, side), side, kink }
     }
 
-    /// Computes the curvature of a lattice with branches: at each place, the maximum over the branches that contain the
-    /// shape there.
-    pub(super) fn of_branches(branches: &BranchedLattice<2>) -> Self {
-        let (grid, bending) = (branches.grid(), branches.bending());
+    /// Computes the curvature of one branch of a lattice: 0 where the branch does not contain the shape.
+    pub(super) fn of_branch(branches: &BranchedLattice<2>, branch: usize) -> Self {
+        let (grid, bending) = (branches.grid(), branches.bending(branch));
         let side = (2 * grid.dims[0].max(grid.dims[1])).next_power_of_two().clamp(16, 128);
         let spans = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]));
         // The cells of the lattice grid that overlap a cell of the table.
@@ -62,20 +65,27 @@ impl Curvature {
             let within = rows.flat_map(|j| columns.clone().map(move |i| i + spans[0] * j));
             within.map(|cell| bending[cell]).fold(0.0, f64::max)
         });
-        let lo = DVec2::from_array(grid.lo);
-        let size = DVec2::from_array(grid.hi) - lo;
-        Self { lo, size, levels: pyramid(cells.collect(), side), side, kink: branches.greatest_strain_at_border() }
+        let (lo, size) = corner_and_size(grid);
+        Self {
+            grid: grid.clone(),
+            lo,
+            size,
+            levels: pyramid(cells.collect(), side),
+            side,
+            kink: branches.greatest_strain_at_border(branch),
+        }
     }
 
     /// Returns whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.
     ///
     /// The square around the edge's disc is tested, not only the edge: the discs over a triangle's three sides cover
     /// the triangle, so a triangle whose edges all remain straight is flat inside, too.
-    pub(super) fn bends(&self, a: DVec2, b: DVec2) -> bool {
+    pub(super) fn bends(&self, [a, b]: [DVec2; 2]) -> bool {
         let length = a.distance(b);
         if length < MIN_LENGTH {
             return false;
         }
+        let [a, b] = [a, b].map(|point| DVec2::from(self.grid.upright_from_point(point.to_array())));
         let strays = self.greatest((a + b) * 0.5, length * 0.5) * length * length / 8.0;
         let crosses = self.holds(a) != self.holds(b);
         let kinks = if crosses { self.kink * length / 4.0 } else { 0.0 };
@@ -105,6 +115,12 @@ impl Curvature {
         rows.flat_map(|j| (first.x >> level..=end.x >> level).map(move |i| self.levels[level][i + width * j]))
             .fold(0.0, f64::max)
     }
+}
+
+/// Returns the lower left corner and the size of a grid's box before its rotation.
+fn corner_and_size(grid: &Grid<2>) -> (DVec2, DVec2) {
+    let lo = DVec2::from_array(grid.lo);
+    (lo, DVec2::from_array(grid.hi) - lo)
 }
 
 /// Returns the Frobenius norm of the difference between two gradients.

@@ -7,6 +7,7 @@ use crate::lattice::ScreenLattice;
 use crate::solve::BranchedLattice;
 use crate::space::ScreenPoint;
 use glam::DVec2;
+use std::ops::Range;
 
 /// The warp of a part.
 #[derive(Clone, Debug, Default)]
@@ -113,37 +114,55 @@ impl PartWarp<'_> {
         }
     }
 
-    /// Returns the curvature; `None` at rest, and for blends, whose layers have tables of their own.
-    fn curvature(&self) -> Option<Curvature> {
+    /// Returns the curvature of each branch; empty at rest, and for blends, whose layers have tables of their own.
+    fn curvature(&self) -> Vec<Curvature> {
         match self {
-            Self::Rest | Self::Blend(_) => None,
-            Self::Lattice(lattice) => Some(Curvature::of(lattice)),
-            Self::Branches(warp) => Some(Curvature::of_branches(warp.branches)),
+            Self::Rest | Self::Blend(_) => Vec::new(),
+            Self::Lattice(lattice) => vec![Curvature::of(lattice)],
+            Self::Branches(BranchWarp { branches, .. }) => {
+                (0..branches.branch_count()).map(|branch| Curvature::of_branch(branches, branch)).collect()
+            }
         }
+    }
+
+    /// Returns whether the warp of the edge between two points needs more than a straight line, by the curvature of the branches at
+    /// its ends.
+    fn bends(&self, tables: &[Curvature], ends: [DVec2; 2], on: [PartPoint; 2]) -> bool {
+        let Self::Branches(warp) = self else { return tables.iter().any(|table| table.bends(ends)) };
+        let [from, to] = [0, 1].map(|end| warp.branch(ScreenPoint(ends[end]), on[end].triangle as usize));
+        let is_bent = |branch: Option<usize>| branch.is_some_and(|branch| tables[branch].bends(ends));
+        is_bent(from) || from != to && is_bent(to)
     }
 }
 
 impl BranchWarp<'_> {
     /// Warps a point of a triangle of the part. Triangles that are completely clipped are not displaced.
     fn warp(&self, point: ScreenPoint, triangle: usize) -> ScreenPoint {
+        let moved = self.triangles(triangle).map(|own| self.branches.warp(own, point.0.to_array()));
+        moved.map_or(point, |[x, y]| ScreenPoint::new(x, y))
+    }
+
+    /// Returns the branch at a point of a triangle of the part; `None` if the triangle is completely clipped.
+    fn branch(&self, point: ScreenPoint, triangle: usize) -> Option<usize> {
+        Some(self.branches.branch_within(self.triangles(triangle)?, point.0.to_array()))
+    }
+
+    /// Returns the triangles of the shape that a triangle of the part consists of; `None` if it is completely clipped.
+    fn triangles(&self, triangle: usize) -> Option<Range<usize>> {
         let [start, end] = [triangle, triangle + 1].map(|k| self.starts.get(k).map_or(0, |&start| start as usize));
-        if start >= end {
-            return point;
-        }
-        let [x, y] = self.branches.warp(start..end, point.0.to_array());
-        ScreenPoint::new(x, y)
+        (start < end).then_some(start..end)
     }
 }
 
 /// Determines which edges of a part need more than a straight line.
 pub(super) struct EdgeBends<'a> {
-    layers: Vec<Option<(&'a PartWarp<'a>, Curvature)>>,
+    /// The layers with their curvature, one table per branch.
+    layers: Vec<(&'a PartWarp<'a>, Vec<Curvature>)>,
 }
 
 impl<'a> EdgeBends<'a> {
     pub(super) fn of(warp: &'a PartWarp<'a>) -> Self {
-        let table = |layer: &'a PartWarp<'a>| layer.curvature().map(|table| (layer, table));
-        Self { layers: warp.layers().iter().map(table).collect() }
+        Self { layers: warp.layers().iter().map(|layer| (layer, layer.curvature())).collect() }
     }
 
     /// Returns whether the warp of the edge between two points needs more than a straight line. Symmetric in its ends;
@@ -151,15 +170,15 @@ impl<'a> EdgeBends<'a> {
     pub(super) fn bends(&self, [a, b]: [DVec2; 2], on: [PartPoint; 2]) -> bool {
         let [from, to] = on.map(|point| point.weights);
         if from.is_empty() {
-            return self.layers.iter().flatten().any(|(_, table)| table.bends(a, b));
+            return self.layers.iter().any(|(layer, tables)| layer.bends(tables, [a, b], on));
         }
         let acting = self.layers.iter().zip(from.iter().zip(to));
         let mut strays = DVec2::ZERO;
-        for ((layer, table), (&from, &to)) in acting.filter_map(|(layer, ends)| Some((layer.as_ref()?, ends))) {
-            if from <= 0.0 && to <= 0.0 {
+        for ((layer, tables), (&from, &to)) in acting {
+            if from <= 0.0 && to <= 0.0 || layer.is_rest() {
                 continue;
             }
-            if table.bends(a, b) {
+            if layer.bends(tables, [a, b], on) {
                 return true;
             }
             if from != to {

@@ -7,17 +7,15 @@ use super::BranchedLattice;
 use crate::lattice::Grid;
 
 impl<const D: usize> BranchedLattice<D> {
-    /// An upper estimate of the norm of the warp's second derivative in each cell, over all branches with a part of the shape
-    /// there, #cells. Second derivatives of B-splines are averages of second differences of the surrounding handles (C. de Boor,
+    /// An upper estimate of the norm of the second derivative of a branch in each cell, #cells; 0 where the branch has no part of the
+    /// shape. Second derivatives of B-splines are averages of second differences of the surrounding handles (C. de Boor,
     /// "A Practical Guide to Splines", 1978, chapter X).
     #[must_use]
-    pub(crate) fn bending(&self) -> Vec<f64> {
+    pub(crate) fn bending(&self, branch: usize) -> Vec<f64> {
         let mut cells = vec![0.0_f64; self.grid().cell_count()];
-        for branch in 0..self.branch_count() {
-            let differences = self.second_differences(branch);
-            for (cell, handles) in self.cells_of(branch) {
-                cells[cell] = handles.into_iter().map(|handle| differences[handle]).fold(cells[cell], f64::max);
-            }
+        let differences = self.second_differences(branch);
+        for (cell, handles) in self.cells_of(branch) {
+            cells[cell] = handles.into_iter().map(|handle| differences[handle]).fold(cells[cell], f64::max);
         }
         cells
     }
@@ -41,24 +39,21 @@ impl<const D: usize> BranchedLattice<D> {
         greatest
     }
 
-    /// The largest Frobenius norm of gradient minus identity at the centres of the cells along the border of the box.
+    /// The largest Frobenius norm of gradient minus identity at the centres of the cells of a branch along the border of the box.
     #[must_use]
-    pub(crate) fn greatest_strain_at_border(&self) -> f64 {
+    pub(crate) fn greatest_strain_at_border(&self, branch: usize) -> f64 {
         let grid = self.grid();
         let last: [usize; D] = std::array::from_fn(|axis| grid.basis.spans(grid.dims[axis]) - 1);
         let mut greatest = 0.0_f64;
-        for branch in 0..self.branch_count() {
-            let lattice = self.lattice(branch);
-            for (cell, _) in self.cells_of(branch) {
-                let place = grid.cell_coords(cell);
-                if (0..D).any(|axis| place[axis] == 0 || place[axis] == last[axis]) {
-                    let middle =
-                        std::array::from_fn(|axis| grid.lo[axis] + (place[axis] as f64 + 0.5) * grid.spacing(axis));
-                    let gradient = lattice.evaluate_with_gradient(middle).gradient;
-                    let square = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
-                    let square: f64 = square.map(|(i, j)| (gradient[i][j] - f64::from(u8::from(i == j))).powi(2)).sum();
-                    greatest = greatest.max(square.sqrt());
-                }
+        let lattice = self.lattice(branch);
+        for (cell, _) in self.cells_of(branch) {
+            let place = grid.cell_coords(cell);
+            if (0..D).any(|axis| place[axis] == 0 || place[axis] == last[axis]) {
+                let middle = grid.point_from_spans(place.map(|place| place as f64 + 0.5));
+                let gradient = lattice.evaluate_with_gradient(middle).gradient;
+                let square = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
+                let square: f64 = square.map(|(i, j)| (gradient[i][j] - f64::from(u8::from(i == j))).powi(2)).sum();
+                greatest = greatest.max(square.sqrt());
             }
         }
         greatest
