@@ -5,7 +5,10 @@ mod limbs;
 
 use limbs::{Key, Limb, PIXEL};
 use pinwarp::lattice::Lattice;
-use pinwarp::solve::{Cancel, Coupling, PointPin, Problem, Solution, Targets, Timeline, Trajectory, solve};
+use pinwarp::solve::{
+    Cancel, Coupling, PointPin, Problem, Settings, Solution, SolveError, Targets, TimedProblem, Timeline, Trajectory,
+    solve,
+};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Frames of an animation.
@@ -378,5 +381,57 @@ fn a_held_pose_stands_still() {
     for time in [20.5, 24.25, 29.9] {
         let moved = farthest(&motion.points(time), &held);
         assert!(moved < 0.5, "{moved} px at {time}");
+    }
+}
+
+/// A limb at rest, one of whose pins spins.
+struct Spinning {
+    limb: Limb,
+    degrees_per_frame: f64,
+}
+
+impl Timeline<2> for Spinning {
+    type Error = SolveError;
+
+    fn settings(&self) -> &Settings {
+        self.limb.settings()
+    }
+
+    fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
+        let Some(mut problem) = self.limb.at(time)? else { return Ok(None) };
+        let (sin, cos) = (self.degrees_per_frame * time).to_radians().sin_cos();
+        problem.path.iter_mut().for_each(|targets| targets.pins[2].gradient = Some([[cos, sin], [-sin, cos]]));
+        Ok(Some(problem))
+    }
+}
+
+#[test]
+fn a_pin_that_spins_is_not_taken_for_a_snap() {
+    let limb = keyed([true; 5], &[(0.0, [0.0; 4])]);
+    let spinning = Spinning { limb, degrees_per_frame: 90.0 };
+    let coupling = Coupling { last: 8.0, ..coupling(WEIGHT) };
+    let trajectory = Trajectory::solve(&spinning, coupling, &Cancel::never()).expect("solved");
+    assert!(trajectory.spreads().is_empty(), "{:?}", trajectory.spreads());
+    // Half a turn further the strip is turned over at the pin, and its ends stay.
+    let problem = |time: f64| spinning.at(time).expect("a problem").expect("pins act");
+    let solved = |time: f64| trajectory.solve_at(time, problem(time), spinning.settings(), &Cancel::never());
+    for (time, bound) in [(0.0, 1e-9), (2.0, 0.02), (4.0, 1e-9), (8.0, 1e-9)] {
+        let lattice = solved(time).expect("solved").lattice;
+        let ends = [spinning.limb.points()[0], spinning.limb.points()[spinning.limb.points().len() - 1]];
+        let moved = ends.map(|end| farthest(&[lattice.evaluate(end)], &[end]) * PIXEL);
+        assert!(moved.iter().all(|moved| *moved <= bound), "{moved:?} at {time}");
+    }
+}
+
+#[test]
+fn outside_the_range_pins_at_rest_mean_rest() {
+    let pose = [0.6, 1.1, 1.1, 0.4];
+    let keys = [(0.0, pose), (12.0, pose), (16.0, [0.0; 4])];
+    let limb = keyed([true, false, false, false, true], &keys);
+    let trajectory = Trajectory::solve(&limb, coupling(WEIGHT), &Cancel::never()).expect("solved");
+    let motion = Motion { limb: &limb, trajectory: Some(trajectory) };
+    assert!(farthest(&motion.points(12.0), limb.points()) > 100.0);
+    for time in [16.0, 17.5, 40.0] {
+        assert_eq!(farthest(&motion.points(time), limb.points()).max(1e-6), 1e-6, "at {time}");
     }
 }

@@ -12,7 +12,7 @@ use crate::solve::linalg::small_matrix::{distance, minus};
 use crate::solve::minimization::{Minimization, MinimizationResult};
 use crate::solve::newton::CachedFactor;
 use crate::solve::pins::RigidMotion;
-use crate::solve::problem::Problem;
+use crate::solve::problem::{PointPin, Problem};
 use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
@@ -31,7 +31,7 @@ pub(crate) struct Knot<const D: usize> {
     rigid: RigidImage<D>,
     factor: CachedFactor,
     /// Whether all pins and handles are at rest.
-    is_resting: bool,
+    pub(crate) is_resting: bool,
     /// Whether the state is rest whatever its neighbours do.
     pub(crate) holds_rest: bool,
     /// The drawing that the knot belongs to.
@@ -129,6 +129,14 @@ impl<const D: usize> Knot<D> {
             is_minimum: None,
             energy: None,
         }
+    }
+
+    /// Sets the state to rest, where all pins and handles are at rest.
+    pub(crate) fn at_rest(&mut self) -> MinimizationResult<D> {
+        let Displacement { handles, copies, points } = &self.displacement;
+        let rest = |count: usize| vec![[0.0; D]; count];
+        let rest = Displacement { handles: rest(handles.len()), copies: copies.clone(), points: rest(points.len()) };
+        self.at(&rest)
     }
 
     /// The state of another time, expressed by the unknowns of this one.
@@ -232,7 +240,8 @@ impl<const D: usize> Knot<D> {
         }
     }
 
-    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot.
+    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot. A
+    /// prescribed gradient moves what lies within a span of its pin, or within its region.
     pub(crate) fn motion(&self, next: &Self) -> f64 {
         let farthest =
             |a: &[[f64; D]], b: &[[f64; D]]| a.iter().zip(b).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
@@ -241,7 +250,14 @@ impl<const D: usize> Knot<D> {
         if from.pins.len() != to.pins.len() || from.handles.len() != to.handles.len() {
             return surface;
         }
-        let pins = from.pins.iter().zip(&to.pins).map(|(a, b)| distance(&a.target, &b.target));
+        let span = (0..D).map(|axis| self.grid().spacing(axis)).fold(0.0, f64::max);
+        let spin = |(a, b): (&PointPin<D>, &PointPin<D>)| {
+            let (from, to) = (a.gradient?, b.gradient?);
+            let change = from.as_flattened().iter().zip(to.as_flattened()).map(|(from, to)| (to - from).powi(2));
+            Some(change.sum::<f64>().sqrt() * b.region.map_or(span, |region| region.radius.max(span)))
+        };
+        let spins = from.pins.iter().zip(&to.pins).filter_map(spin);
+        let pins = from.pins.iter().zip(&to.pins).map(|(a, b)| distance(&a.target, &b.target)).chain(spins);
         let handles = from.handles.iter().zip(&to.handles).map(|(a, b)| distance(&a.target, &b.target));
         pins.chain(handles).fold(surface, f64::max)
     }

@@ -154,8 +154,14 @@ impl<const D: usize> Trajectory<D> {
         Ok(rotated_box.solution(knot.system.finish(&goal, result)))
     }
 
-    /// The state of a knot if there is one at this time, else the proximal step between the neighbouring knots.
+    /// The state of a knot if there is one at this time, else the proximal step between the neighbouring knots. Outside the range of the
+    /// trajectory, pins and handles at rest mean rest.
     fn solve_knot(&self, knot: &mut Knot<D>, time: f64, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
+        let place = self.knots.place(time);
+        let last = self.knots.states.len() as f64 - 1.0;
+        if knot.is_resting && (place < -AT_KNOT || place > last + AT_KNOT) {
+            return Ok(knot.at_rest());
+        }
         match self.neighbourhood(time, knot.drawing) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
             Neighbourhood::Knot(state) => Ok(knot.at(state)),
@@ -167,8 +173,8 @@ impl<const D: usize> Trajectory<D> {
     /// neighbour has the same drawing, the proximal term has a single knot and a weight inversely proportional to the distance
     /// from it.
     fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
-        let SolvedKnots { coupling, states, drawings, .. } = &self.knots;
-        let place = (time - coupling.first) * f64::from(coupling.knots_per_frame);
+        let SolvedKnots { states, drawings, .. } = &self.knots;
+        let place = self.knots.place(time);
         let last = states.len() as f64 - 1.0;
         let any_state = |knot: f64| if knot < 0.0 { None } else { states.get(knot as usize)?.as_ref() };
         let state = |knot: f64| any_state(knot).filter(|_| drawings[knot as usize] == drawing);

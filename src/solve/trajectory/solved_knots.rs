@@ -20,6 +20,11 @@ pub(crate) struct SolvedKnots<const D: usize> {
 }
 
 impl<const D: usize> SolvedKnots<D> {
+    /// The number of intervals from the first knot to a time, in frames.
+    pub(super) fn place(&self, time: f64) -> f64 {
+        (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame)
+    }
+
     /// The time at the fraction `s` of an interval, in frames.
     pub(super) fn time(&self, interval: usize, s: f64) -> f64 {
         self.coupling.knot_time(interval) + s / f64::from(self.coupling.knots_per_frame)
