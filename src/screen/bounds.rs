@@ -32,20 +32,24 @@ pub(crate) struct Extent<'a> {
     pub(crate) near: f64,
     /// The box that bounds are clipped to.
     pub(crate) reach: ScreenBox,
-    /// Angle of the axes of the bounds, in radians, counter-clockwise.
+    /// Origin of the axes of the bounds.
+    pub(crate) origin: DVec2,
+    /// Angle of these axes, in radians, counter-clockwise.
     pub(crate) angle: f64,
 }
 
-/// Returns the bounds of the selected parts, clipped at the near plane and to the reach, along axes that are rotated about
-/// the origin of the screen.
+/// Returns the bounds of the selected parts, clipped at the near plane and to the reach, along the given axes.
 ///
 /// `None` if nothing is within reach.
 #[must_use]
 pub(crate) fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Extent) -> Option<ScreenBox> {
-    let Extent { parts, counts, near, reach, angle } = extent;
+    let Extent { parts, counts, near, reach, origin, angle } = extent;
     let turn = (angle != 0.0).then(|| DVec2::from_angle(-angle));
-    let turned = |point: ScreenPoint| turn.map_or(point, |turn| ScreenPoint(turn.rotate(point.0)));
-    let reach = turn.map_or(reach, |_| turned_around(reach, turned));
+    let along_axes = |ScreenPoint(point): ScreenPoint| {
+        let from_origin = point - origin;
+        ScreenPoint(turn.map_or(from_origin, |turn| turn.rotate(from_origin)))
+    };
+    let reach = around_moved(reach, along_axes);
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;
         // Only vertices referenced by triangles or lines count: others may belong to other parts.
@@ -56,7 +60,7 @@ pub(crate) fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Exte
             let corners = corners.map(|corner| vertices[corner as usize]);
             let (cut, count) = clip_near(corners, near);
             let place =
-                move |corner: Corner| turned(corners[corner.from].lerp(corners[corner.to], corner.share).point());
+                move |corner: Corner| along_axes(corners[corner.from].lerp(corners[corner.to], corner.share).point());
             cut.into_iter().take(count).flatten().map(place)
         }))
     };
@@ -68,9 +72,9 @@ pub(crate) fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Exte
 }
 
 /// Returns the bounds of a box whose corners are moved.
-fn turned_around(reach: ScreenBox, turned: impl Fn(ScreenPoint) -> ScreenPoint) -> ScreenBox {
+fn around_moved(reach: ScreenBox, moved: impl Fn(ScreenPoint) -> ScreenPoint) -> ScreenBox {
     let (min, max) = (reach.min.0, reach.max.0);
     let corners =
-        [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)].map(|corner| turned(ScreenPoint(corner)));
+        [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)].map(|corner| moved(ScreenPoint(corner)));
     ScreenBox::around(corners).unwrap_or(reach)
 }

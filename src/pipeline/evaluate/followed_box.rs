@@ -11,30 +11,26 @@ use std::sync::{Mutex, PoisonError};
 /// Lower and upper corner.
 pub(in crate::pipeline) type Bounds<const D: usize> = [[f64; D]; 2];
 
-/// Bounds on the screen in axes that are rotated by an angle, in radians, about the origin of the screen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::pipeline) struct TurnedBounds {
-    /// Lower and upper corner along the rotated axes.
-    pub(in crate::pipeline) bounds: Bounds<2>,
-    /// Angle of the axes.
+/// The axes of a layer's box on the screen: an origin and an angle, those of the node that the box turns with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::pipeline) struct BoxAxes {
+    /// Origin of the axes.
+    pub(in crate::pipeline) origin: DVec2,
+    /// Angle of the axes in radians, counter-clockwise.
     pub(in crate::pipeline) angle: f64,
 }
 
-impl TurnedBounds {
-    /// Returns bounds of the same size and centre along the axes of another angle.
-    pub(in crate::pipeline) fn along(self, angle: f64) -> Bounds<2> {
-        if angle == self.angle {
-            return self.bounds;
+impl BoxAxes {
+    /// Returns the box with these bounds along the axes.
+    pub(in crate::pipeline) fn rotated_box(self, [lo, hi]: Bounds<2>) -> RotatedBox {
+        let [lo, hi] = [lo, hi].map(DVec2::from);
+        // Without rotation the corners keep their bits.
+        if self == Self::default() {
+            return ScreenBox::new(ScreenPoint(lo), ScreenPoint(hi)).into();
         }
-        let [lo, hi] = self.bounds.map(DVec2::from);
-        let (center, half) = (DVec2::from_angle(self.angle - angle).rotate((lo + hi) * 0.5), (hi - lo) * 0.5);
-        [(center - half).to_array(), (center + half).to_array()]
-    }
-
-    /// Returns the box.
-    pub(in crate::pipeline) fn rotated_box(self) -> RotatedBox {
-        let [lo, hi] = self.along(0.0);
-        RotatedBox { upright: ScreenBox::new(ScreenPoint(lo.into()), ScreenPoint(hi.into())), angle: self.angle }
+        let (center, half) = (self.origin + DVec2::from_angle(self.angle).rotate((lo + hi) * 0.5), (hi - lo) * 0.5);
+        let upright = ScreenBox::new(ScreenPoint(center - half), ScreenPoint(center + half));
+        RotatedBox { upright, angle: self.angle }
     }
 }
 
@@ -104,17 +100,22 @@ pub(in crate::pipeline) fn thickened<const D: usize>([lo, hi]: Bounds<D>, least:
 
 /// Bounds of all layers at whole frames, each computed once.
 #[derive(Debug)]
-pub(in crate::pipeline) struct BoundsCache<T>(Mutex<HashMap<i32, Vec<Option<T>>>>);
+pub(in crate::pipeline) struct BoundsCache<const D: usize>(Mutex<HashMap<i32, Vec<Option<Bounds<D>>>>>);
 
-impl<T> Default for BoundsCache<T> {
+impl<const D: usize> Default for BoundsCache<D> {
     fn default() -> Self {
         Self(Mutex::default())
     }
 }
 
-impl<T: Copy> BoundsCache<T> {
+impl<const D: usize> BoundsCache<D> {
     /// Returns the bounds of a layer at a frame; `all` computes those of every layer on a cache miss.
-    pub(in crate::pipeline) fn at(&self, layer: usize, frame: i32, all: impl FnOnce() -> Vec<Option<T>>) -> Option<T> {
+    pub(in crate::pipeline) fn at(
+        &self,
+        layer: usize,
+        frame: i32,
+        all: impl FnOnce() -> Vec<Option<Bounds<D>>>,
+    ) -> Option<Bounds<D>> {
         let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(all) = known().get(&frame) {
             return all[layer];

@@ -1,7 +1,7 @@
 //! Cache of values that the frames of a shot share: time samples, bounds, trajectories. Recomputing any of them yields
 //! the same bits.
 
-use super::followed_box::{Bounds, BoundsCache, TurnedBounds};
+use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
 use std::collections::VecDeque;
@@ -15,9 +15,9 @@ const KEPT_SAMPLES: usize = 4;
 pub(in crate::pipeline) struct FrameCache {
     samples: Mutex<VecDeque<Arc<TimeSample>>>,
     /// Bounds of screen layers.
-    pub(in crate::pipeline) screen_bounds: BoundsCache<TurnedBounds>,
+    pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
     /// Bounds of world layers.
-    pub(in crate::pipeline) world_bounds: BoundsCache<Bounds<3>>,
+    pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.
     pub(in crate::pipeline) trajectories: Trajectories<2>,
     /// Trajectories of world layers.

@@ -2,7 +2,7 @@
 //!
 //! In: a [`PreparedShot`], a layer, a pose. Out: the rest box of the layer's lattice.
 
-use super::followed_box::{Bounds, SmoothingWindow, TurnedBounds, thickened, union};
+use super::followed_box::{Bounds, BoxAxes, SmoothingWindow, thickened, union};
 use super::time_sample::TimeSample;
 use crate::lattice::{BoxFrame, Grid};
 use crate::pipeline::PreparedShot;
@@ -27,9 +27,9 @@ pub(in crate::pipeline) fn screen_box(
     index: usize,
     rule: BoxRule,
 ) -> Option<RotatedBox> {
-    let angle = box_angle(prepared, index, &sample.pose, &sample.camera);
+    let axes = box_axes(prepared, index, &sample.pose, &sample.camera);
     match rule {
-        BoxRule::Fixed(upright) => Some(RotatedBox { upright, angle }),
+        BoxRule::Fixed(upright) => Some(RotatedBox { upright, angle: axes.angle }),
         BoxRule::Frame => {
             let corner = ScreenPoint::new(prepared.shot.size.aspect(), 1.0);
             Some(ScreenBox::new(ScreenPoint::default(), corner).into())
@@ -37,45 +37,48 @@ pub(in crate::pipeline) fn screen_box(
         BoxRule::Follow => {
             let now = screen_bounds(prepared, index, &sample.pose, &sample.mesh(), &sample.camera);
             let window = SmoothingWindow::new(sample.frame);
-            let along = |bounds: Option<TurnedBounds>| bounds.map(|bounds| bounds.along(angle));
-            let at = |frame: i32| (frame, along(screen_bounds_at(prepared, index, frame)));
+            let at = |frame: i32| (frame, screen_bounds_at(prepared, index, frame));
             let neighbours: Vec<_> = window.frames().map(at).collect();
-            let bounds = thickened(window.smooth(&neighbours, along(now))?, MIN_SIDE);
-            Some(TurnedBounds { bounds, angle }.rotated_box())
+            Some(axes.rotated_box(thickened(window.smooth(&neighbours, now)?, MIN_SIDE)))
         }
     }
 }
 
-/// Returns the angle of a screen layer's box, in radians.
-fn box_angle(prepared: &PreparedShot, index: usize, pose: &Pose, camera: &Camera) -> f64 {
+/// Returns the axes of a screen layer's box: those of the screen, unless the box turns with a node or is rotated.
+fn box_axes(prepared: &PreparedShot, index: usize, pose: &Pose, camera: &Camera) -> BoxAxes {
     let BoxOrientation { node, angle } = &prepared.shot.layers[index].orientation;
-    let turned = node.as_ref().and_then(|(name, axis)| {
+    let of_node = node.as_ref().and_then(|(name, axis)| {
         let placed = pose.scene_from_node[prepared.scene.node_named(name)?].as_dmat4();
-        let up = camera.direction_seen(placed.w_axis.truncate(), placed.col(*axis).truncate());
-        Some(f64::atan2(-up.0.x, up.0.y)).filter(|angle| angle.is_finite())
+        let origin = placed.w_axis.truncate();
+        let seen = camera.project_exact(origin);
+        let up = camera.direction_seen(origin, placed.col(*axis).truncate());
+        let axes = BoxAxes { origin: seen.point().0, angle: f64::atan2(-up.0.x, up.0.y) };
+        (seen.w > 0.0 && axes.origin.is_finite() && axes.angle.is_finite()).then_some(axes)
     });
-    turned.unwrap_or(0.0) + angle
+    let axes = of_node.unwrap_or_default();
+    BoxAxes { angle: axes.angle + angle, ..axes }
 }
 
-/// Returns the bounds of a layer on the screen, along the axes of its box.
+/// Returns the bounds of a layer on the screen along the axes of its box: in the frame of its node if the box turns with one, so that
+/// the box of a figure that turns or moves with the node has the same bounds in every frame.
 pub(in crate::pipeline) fn screen_bounds(
     prepared: &PreparedShot,
     layer: usize,
     pose: &Pose,
     mesh: &ScreenMesh,
     camera: &Camera,
-) -> Option<TurnedBounds> {
-    let angle = box_angle(prepared, layer, pose, camera);
+) -> Option<Bounds<2>> {
+    let BoxAxes { origin, angle } = box_axes(prepared, layer, pose, camera);
     let reach = reach_of_frame(prepared.shot.size);
     let counts = |part: usize, corners: &[u32; 3]| prepared.assignment.share(layer, part).meets(corners);
     let parts = &prepared.assignment.parts_of_layer[layer];
-    let extent = Extent { parts, counts: &counts, near: camera.near(), reach, angle };
+    let extent = Extent { parts, counts: &counts, near: camera.near(), reach, origin, angle };
     let bounds = bounds(&prepared.scene, pose, mesh, extent)?;
-    Some(TurnedBounds { bounds: [bounds.min.0.to_array(), bounds.max.0.to_array()], angle })
+    Some([bounds.min.0.to_array(), bounds.max.0.to_array()])
 }
 
 /// Returns the bounds of a layer on the screen at a whole frame; those of all layers are computed together and cached.
-fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<TurnedBounds> {
+fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<2>> {
     prepared.cache.screen_bounds.at(layer, frame, || {
         let (pose, camera) = prepared.view(f64::from(frame));
         let mesh = screen::project(&pose, &camera);

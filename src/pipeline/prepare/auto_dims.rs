@@ -68,7 +68,7 @@ fn box_sides(prepared: &PreparedShot, index: usize, frame: f64) -> [f64; 2] {
     let (pose, camera) = prepared.view(frame);
     let mesh = crate::screen::project(&pose, &camera);
     match crate::pipeline::evaluate::lattice_box::screen_bounds(prepared, index, &pose, &mesh, &camera) {
-        Some(seen) => [0, 1].map(|axis| (seen.bounds[1][axis] - seen.bounds[0][axis]).max(1e-6)),
+        Some([low, high]) => [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-6)),
         None => [1.0, 1.0],
     }
 }

@@ -38,17 +38,20 @@ pub(in crate::pipeline) fn note_foreshortened(prepared: &mut PreparedShot) {
     for layer in &prepared.shot.layers {
         let (Some((name, axis)), LayerSpace::Screen { .. }) = (&layer.orientation.node, layer.space) else { continue };
         let Some(node) = prepared.scene.node_named(name) else { continue };
-        let is_foreshortened = |frame: &f64| {
-            let (pose, camera) = prepared.view(*frame);
+        let cosine = |frame: i32| {
+            let (pose, camera) = prepared.view(f64::from(frame));
             let placed = pose.scene_from_node[node].as_dmat4();
             let sight = camera.line_of_sight(placed.w_axis.truncate());
-            placed.col(*axis).truncate().normalize_or_zero().dot(sight).abs() > LEAST_ANGLE.to_radians().cos()
+            placed.col(*axis).truncate().normalize_or_zero().dot(sight).abs()
         };
-        if let Some(frame) = (frames.first..=frames.last).step_by(step.max(1)).map(f64::from).find(is_foreshortened) {
+        let looks = (frames.first..=frames.last).step_by(step.max(1)).map(|frame| (frame, cosine(frame)));
+        let nearest = looks.max_by(|a, b| a.1.total_cmp(&b.1));
+        let foreshortened = nearest.filter(|(_, cosine)| *cosine > LEAST_ANGLE.to_radians().cos());
+        if let Some((frame, _)) = foreshortened {
             let axis = AXES[*axis];
             notes.push(format!(
-                "layer '{}': the {axis} axis of '{name}' points at the camera in frame {frame}, where the box may spin; \
-                 name another `axis` in `lattice.frame`",
+                "layer '{}': the {axis} axis of '{name}' points at the camera around frame {frame}, where the box spins and the warp \
+                 jumps; name another `axis` in `lattice.frame`",
                 layer.name
             ));
         }
