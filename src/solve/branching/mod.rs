@@ -65,6 +65,8 @@ pub(crate) struct Branching<const D: usize> {
     triangles: Vec<[[f64; D]; 3]>,
     /// The parts of triangles in cells, in the order of the triangles.
     cuts: Vec<Cut<D>>,
+    /// The first cut of each triangle, #triangles + 1.
+    first_cuts: Vec<u32>,
     /// The handle of each copy, ascending.
     handles: Vec<usize>,
     /// The first triangle in the piece of each copy.
@@ -103,9 +105,11 @@ impl<const D: usize> Branching<D> {
         let pieces = Pieces::of(grid, width, &cuts, &copies);
         let (branch_of, branches) = pieces.branches(grid, width);
         let corner = |&corner: &u32| shape.points[corner as usize];
+        let first_cut = |triangle: usize| cuts.partition_point(|cut| cut.triangle < triangle) as u32;
         Self {
             grid: grid.clone(),
             width,
+            first_cuts: (0..=shape.triangles.len()).map(first_cut).collect(),
             triangles: shape.triangles.iter().map(|corners| corners.each_ref().map(corner)).collect(),
             cuts,
             handles: copies.handles,
@@ -185,8 +189,8 @@ impl<const D: usize> Branching<D> {
 
     /// The piece to which a point on one of these triangles belongs.
     pub(crate) fn piece_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
-        let first = self.cuts.partition_point(|cut| cut.triangle < triangles.start);
-        let cuts = self.cuts[first..].iter().take_while(|cut| cut.triangle < triangles.end).enumerate();
+        let first = self.first_cuts[triangles.start] as usize;
+        let cuts = self.cuts[first..self.first_cuts[triangles.end] as usize].iter().enumerate();
         let point = self.grid.upright_from_point(*point);
         let gap = |cut: &Cut<D>| {
             let place = self.grid.cell_coords(cut.cell);
