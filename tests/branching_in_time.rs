@@ -30,7 +30,7 @@ struct Scene {
 impl Scene {
     fn new(figure: &Puppet, pose: Vec<PointPin<2>>, dims: [usize; 2]) -> Self {
         let settings = Settings { topology: Topology::Branching, ..Settings::default() };
-        Self { rest: figure.mesh(SPACING), pins: [figure.pins(), pose], dims, settings }
+        Self { rest: figure.mesh(SPACING).linked(1.0), pins: [figure.pins(), pose], dims, settings }
     }
 
     /// Where a point of the figure is at rest at a time: what is beside the body swings out by up to 6 % of the height.

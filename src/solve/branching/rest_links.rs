@@ -12,6 +12,7 @@ use crate::solve::problem::Shape;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Number of rounds. Each links every island to its nearest one and at least halves the number of islands, so this suffices for
 /// 2^20.
@@ -22,6 +23,17 @@ const TOUCHING: f64 = 0.01;
 
 /// Number of bridged islands above which contacts are not looked for.
 const MAX_TOUCHING_ISLANDS: usize = 10_000;
+
+impl<const D: usize> Shape<D> {
+    /// Links the triangles that hang together in the present position, and islands to the nearest other part within `radius`, a length.
+    /// A shape that moves is linked at rest: by itself a branching lattice links islands where they are nearest at each time, and
+    /// jumps where another part comes nearer.
+    #[must_use]
+    pub fn linked(self, radius: f64) -> Self {
+        let links = surface_links(&self.points, &self.triangles, radius);
+        Self { links: Some(Arc::new(links)), ..self }
+    }
+}
 
 /// Links between triangles with a common edge, and between islands. Vertices in the same position count as one, so that texture
 /// seams do not separate triangles. Where more than two triangles share an edge, all are linked. Islands are linked to the
