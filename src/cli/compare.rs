@@ -22,7 +22,14 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Outcome> {
         outputs::allow(&outputs::inputs_of([&args.input]), path, args.overwrite)?;
     }
     if FileKind::of(&args.input) == Some(FileKind::Shot) {
+        if args.pose.is_some() {
+            bail!("--pose: {} is a shot, which has frames; give --frame", args.input.display());
+        }
         return run_shot(args);
+    }
+    if args.frame.is_some() || args.layer.is_some() {
+        let given = if args.frame.is_some() { "--frame" } else { "--layer" };
+        bail!("{given}: {} is a problem, which has poses; give --pose", args.input.display());
     }
     match problem_file::read_figure(&args.input)? {
         Figures::Plane(figure) => {

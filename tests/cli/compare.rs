@@ -51,6 +51,7 @@ fn a_layer_of_a_shot_is_compared() {
     assert!(table.contains("pinwarp"), "{table}");
     assert!(bench.path("sheet.png").exists());
     bench.run("compare shot.toml --layer gone").says(2, &["there is no layer 'gone'", "all"]);
+    bench.run("compare shot.toml --pose push").says(2, &["--pose: shot.toml is a shot", "give --frame"]);
 }
 
 #[test]
@@ -59,5 +60,6 @@ fn missing_inputs_are_named() {
     bench.run("compare gone.json").says(2, &["gone.json", "cannot read"]);
     bench.run("compare square.json --methods hsu,magic").says(2, &["there is no method 'magic'", "mls"]);
     bench.run("compare square.json --basis spline").says(2, &["spline", "bspline"]);
+    bench.run("compare square.json --frame 2").says(2, &["--frame: square.json is a problem", "give --pose"]);
     bench.run("compare square.json --pose sleep").says(2, &["there is no pose 'sleep'", "push, lift"]);
 }
