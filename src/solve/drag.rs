@@ -82,7 +82,7 @@ impl<const D: usize> Solver<D> {
     /// [`SolveError`] if the solution belongs to another solver.
     pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
         let own = |branches: &BranchedLattice<D>| {
-            self.system().has_pieces_of(branches) || self.rotated_box().has_pieces_of(branches)
+            self.system().has_pieces_of(branches) || self.box_rotation().has_pieces_of(branches)
         };
         match &from.branches {
             Some(branches) if own(branches) => self.drag_unknowns(branches.copies()),
@@ -102,7 +102,7 @@ impl<const D: usize> Solver<D> {
                 hint: "start from a solution of the same solver".into(),
             });
         }
-        let handles = self.rotated_box().upright().points(from);
+        let handles = self.box_rotation().upright().points(from);
         Ok(Drag { solver: self, handles, factor: CachedFactor::default(), checked: None, cancel: None })
     }
 }
@@ -136,14 +136,14 @@ impl<const D: usize> Drag<'_, D> {
         let settings = Settings { tolerance: TOLERANCE, ..self.solver.system().settings().clone() };
         // At most one factorisation per move, at its start, so that all moves take about the same time.
         let factors = usize::from(!self.factor.is_some());
-        let rotated_box = self.solver.rotated_box();
-        let (pins, handles) = (rotated_box.upright().pins(pins), rotated_box.upright().handles(handles));
+        let box_rotation = self.solver.box_rotation();
+        let (pins, handles) = (box_rotation.upright().pins(pins), box_rotation.upright().handles(handles));
         self.run(&pins, &handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
         Ok(match self.branches() {
             Some(branches) => branches.lattice(0),
             None => {
                 let grid = self.solver.system().grid().clone();
-                rotated_box.lattice(Lattice { grid, handles: self.handles.clone() })
+                box_rotation.lattice(Lattice { grid, handles: self.handles.clone() })
             }
         })
     }
@@ -152,7 +152,7 @@ impl<const D: usize> Drag<'_, D> {
     #[must_use]
     pub fn branches(&self) -> Option<BranchedLattice<D>> {
         let upright = self.solver.system().branches(&self.handles)?;
-        Some(self.solver.rotated_box().branches(upright))
+        Some(self.solver.box_rotation().branches(upright))
     }
 
     /// Moves pins and handles to new targets, converges to the tolerance of the settings and returns a report. Call it at the end
@@ -162,8 +162,8 @@ impl<const D: usize> Drag<'_, D> {
     /// # Errors
     /// Those of [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
-        let rotated_box = self.solver.rotated_box();
-        let upright = (rotated_box.upright().pins(pins), rotated_box.upright().handles(handles));
+        let box_rotation = self.solver.box_rotation();
+        let upright = (box_rotation.upright().pins(pins), box_rotation.upright().handles(handles));
         let settings = self.solver.system().settings().clone();
         let limit = settings.iteration_limit;
         let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
@@ -180,12 +180,12 @@ impl<const D: usize> Drag<'_, D> {
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
         if is_held {
             let goal = Targets { pins: upright.0.into_owned(), handles: upright.1.into_owned() };
-            return Ok(rotated_box.solution(self.solver.system().finish(&goal, run)));
+            return Ok(box_rotation.solution(self.solver.system().finish(&goal, run)));
         }
         let never = Cancel::never();
         let solution = self.solver.with_cancel(self.cancel.unwrap_or(&never)).update(pins, handles)?;
         let unknowns = solution.branches.as_ref().map_or(&*solution.lattice.handles, BranchedLattice::copies);
-        self.handles = rotated_box.upright().points(unknowns);
+        self.handles = box_rotation.upright().points(unknowns);
         Ok(solution)
     }
 

@@ -2,13 +2,13 @@
 //!
 //! In: grid, shape, pins, handles, settings; later only targets, or paths of targets. Out: solutions.
 
+use super::box_rotation::BoxRotation;
 use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::Energies;
 use super::prefactored::TargetTerms;
 use super::problem::{HandlePin, PointPin, Problem};
 use super::report::Solution;
-use super::rotated_box::RotatedBox;
 use super::settings::Minima;
 use super::system::{Parts, System};
 use super::targets::Targets;
@@ -44,7 +44,7 @@ pub fn solve<const D: usize>(problem: &Problem<D>) -> Result<Solution<D>, SolveE
 pub struct Solver<const D: usize> {
     /// The system of the upright box.
     system: System<D>,
-    rotated_box: RotatedBox<D>,
+    box_rotation: BoxRotation<D>,
 }
 
 impl<const D: usize> Solver<D> {
@@ -68,7 +68,7 @@ impl<const D: usize> Solver<D> {
         let problem_upright =
             Problem { grid: &grid, shape: &shape, pins: &pins, handles: &handles, settings: problem.settings };
         let system = System::new(&problem_upright, cancel)?;
-        Ok(Self { rotated_box: RotatedBox::new(problem.grid, system.branching()), system })
+        Ok(Self { box_rotation: BoxRotation::new(problem.grid, system.branching()), system })
     }
 
     /// Factors a checked problem from components that are already built.
@@ -76,7 +76,7 @@ impl<const D: usize> Solver<D> {
         debug_assert!(problem.grid.angle == 0.0, "the box is upright");
         let mut system = System::assemble(problem, parts, &Cancel::never())?;
         system.mark_active_cells(problem.shape);
-        Ok(Self { rotated_box: RotatedBox::new(problem.grid, None), system })
+        Ok(Self { box_rotation: BoxRotation::new(problem.grid, None), system })
     }
 
     /// Returns the solver with a hook that may cancel its solves.
@@ -95,7 +95,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn solve_observed(&self, mut observe: impl FnMut(Energies)) -> Solution<D> {
         let solved = self.with_cancel(&Cancel::never()).run(&self.system.own_targets(), Some(&mut observe));
         solved
-            .map(|solution| self.rotated_box.solution(solution))
+            .map(|solution| self.box_rotation.solution(solution))
             .expect("the targets are checked, and nothing cancels the solve")
     }
 
@@ -129,8 +129,8 @@ impl<const D: usize> Solver<D> {
     }
 
     /// The box of the problem.
-    pub(crate) const fn rotated_box(&self) -> &RotatedBox<D> {
-        &self.rotated_box
+    pub(crate) const fn box_rotation(&self) -> &BoxRotation<D> {
+        &self.box_rotation
     }
 }
 
@@ -148,7 +148,7 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// [`SolveError::Cancelled`].
     pub fn solve(&self) -> Result<Solution<D>, SolveError> {
         let solution = self.run(&self.solver.system.own_targets(), None)?;
-        Ok(self.solver.rotated_box.solution(solution))
+        Ok(self.solver.box_rotation.solution(solution))
     }
 
     /// Same as [`Solver::update`].
@@ -156,11 +156,11 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// # Errors
     /// Those of [`Solver::update`], and [`SolveError::Cancelled`].
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
-        let Solver { system, rotated_box } = self.solver;
-        let upright = rotated_box.upright();
+        let Solver { system, box_rotation } = self.solver;
+        let upright = box_rotation.upright();
         let (pins, handles) = (&*upright.pins(pins), &*upright.handles(handles));
         let to = system.retargeted(pins, handles, self.cancel)?;
-        Ok(rotated_box.solution(self.run(&system.targets((pins, handles), &to), None)?))
+        Ok(box_rotation.solution(self.run(&system.targets((pins, handles), &to), None)?))
     }
 
     /// Same as [`Solver::follow`].
@@ -169,10 +169,10 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// Those of [`Solver::follow`], and [`SolveError::Cancelled`].
     pub fn follow(&self, path: &[Targets<D>]) -> Result<Solution<D>, SolveError> {
         let Some(goal) = path.last() else { return self.solve() };
-        let Solver { system, rotated_box } = self.solver;
-        let upright: Vec<Targets<D>> = path.iter().map(|targets| rotated_box.upright().targets(targets)).collect();
+        let Solver { system, box_rotation } = self.solver;
+        let upright: Vec<Targets<D>> = path.iter().map(|targets| box_rotation.upright().targets(targets)).collect();
         match system.follow_winding(&upright, self.cancel)? {
-            Some(result) => Ok(rotated_box.solution(system.finish(upright.last().unwrap_or(goal), result))),
+            Some(result) => Ok(box_rotation.solution(system.finish(upright.last().unwrap_or(goal), result))),
             None => self.update(&goal.pins, &goal.handles),
         }
     }

@@ -15,11 +15,11 @@ mod timeline;
 pub(crate) use timeline::knots_per_gib;
 pub use timeline::{Coupling, TimedProblem, Timeline};
 
+use super::box_rotation::BoxRotation;
 use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::MinimizationResult;
 use super::report::Solution;
-use super::rotated_box::RotatedBox;
 use super::settings::Settings;
 use super::targets::Targets;
 use super::upright::Upright;
@@ -150,8 +150,8 @@ impl<const D: usize> Trajectory<D> {
         knot.system.mark_active_cells(&shape);
         let result = self.solve_knot(&mut knot, time, cancel)?;
         let goal = knot.goal().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
-        let rotated_box = RotatedBox::new(&grid, knot.system.branching());
-        Ok(rotated_box.solution(knot.system.finish(&goal, result)))
+        let box_rotation = BoxRotation::new(&grid, knot.system.branching());
+        Ok(box_rotation.solution(knot.system.finish(&goal, result)))
     }
 
     /// The state of a knot if there is one at this time, else the proximal step between the neighbouring knots. Outside the range of the

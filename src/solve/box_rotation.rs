@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 /// Rotates upright solutions with the box of a grid.
 #[derive(Debug)]
-pub(crate) struct RotatedBox<const D: usize> {
+pub(crate) struct BoxRotation<const D: usize> {
     grid: Grid<D>,
     /// The branching over the rotated grid; `None` if the lattice does not branch, or the box is upright.
     branching: Option<Arc<Branching<D>>>,
 }
 
-impl<const D: usize> RotatedBox<D> {
+impl<const D: usize> BoxRotation<D> {
     /// `branching`: that of the upright grid.
     pub(crate) fn new(grid: &Grid<D>, branching: Option<&Branching<D>>) -> Self {
         let branching = branching.filter(|_| grid.angle != 0.0).map(|branching| Arc::new(branching.rotated(grid)));
