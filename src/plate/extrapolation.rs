@@ -17,10 +17,7 @@ const STILL: f64 = 1e-8;
 /// A lattice whose displacement is extrapolated beyond its box.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ExtrapolatedLattice {
-    /// The grid before the rotation of its box.
     grid: Grid<2>,
-    /// The grid.
-    rotated: Grid<2>,
     /// Displacement of each handle: #handles, x fastest.
     moved: Vec<DVec2>,
     extrapolation: Extrapolation,
@@ -80,8 +77,7 @@ impl ExtrapolatedLattice {
             let moved = DVec2::from(to) - DVec2::from(from);
             if moved.length() < STILL { DVec2::ZERO } else { moved }
         });
-        let rotated = lattice.grid.clone();
-        Self { grid: rotated.upright(), rotated, moved: moved.collect(), extrapolation: Extrapolation::Nearest }
+        Self { grid: lattice.grid.clone(), moved: moved.collect(), extrapolation: Extrapolation::Nearest }
     }
 
     /// Creates an extrapolation that multiplies the displacement by a ramp that is 0 from the border outwards.
@@ -160,7 +156,8 @@ impl ExtrapolatedLattice {
         if !is_small || (self.extrapolation != Extrapolation::Nearest && !has_cells) {
             return is_small;
         }
-        let ends = [lo, hi].map(|point| self.grid.unit_from_point(point.to_array()));
+        let upright = self.grid.upright();
+        let ends = [lo, hi].map(|point| upright.unit_from_point(point.to_array()));
         let cell = |end: usize, axis: usize| {
             let spans = if has_cells { self.grid.basis.spans(self.grid.dims[axis]) as f64 } else { 1.0 };
             (ends[end][axis] * spans).floor().clamp(-1.0, spans)
@@ -172,7 +169,7 @@ impl ExtrapolatedLattice {
     /// Returns a box that contains another one after the rotation of the lattice's box is taken back.
     fn upright_around(&self, lo: DVec2, hi: DVec2) -> [DVec2; 2] {
         let corners = [lo, DVec2::new(hi.x, lo.y), DVec2::new(lo.x, hi.y), hi];
-        let corners = corners.map(|corner| DVec2::from(self.rotated.upright_from_point(corner.to_array())));
+        let corners = corners.map(|corner| DVec2::from(self.grid.upright_from_point(corner.to_array())));
         [
             corners.into_iter().fold(DVec2::INFINITY, DVec2::min),
             corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max),
@@ -193,12 +190,12 @@ impl ExtrapolatedLattice {
 
     /// Returns the displacement of a point and its gradient (column = derivative along x, y).
     pub(super) fn displace(&self, point: DVec2) -> (DVec2, DMat2) {
-        if self.rotated.angle == 0.0 {
+        if self.grid.angle == 0.0 {
             return self.displace_upright(point);
         }
-        let upright = self.rotated.upright_from_point(point.to_array());
+        let upright = self.grid.upright_from_point(point.to_array());
         let (by, slope) = self.displace_upright(upright.into());
-        (by, slope * DMat2::from_angle(-self.rotated.angle))
+        (by, slope * DMat2::from_angle(-self.grid.angle))
     }
 
     /// Returns the displacement of a point, given before the rotation of the box, and its derivatives along the axes of
@@ -271,9 +268,9 @@ impl ExtrapolatedLattice {
     }
 
     fn simplex_jet(&self, unit: DVec2) -> Jet {
-        let point = [0, 1].map(|axis| self.grid.lo[axis] + unit[axis] * self.grid.size(axis));
+        let upright = self.grid.upright();
         let mut jet = Jet::default();
-        self.grid.for_each_weight(point, |term| {
+        upright.for_each_weight(upright.point_from_unit(unit.to_array()), |term| {
             let moved = self.moved[term.handle];
             jet.d += moved * term.weight;
             jet.dx += moved * term.gradient[0];
