@@ -141,14 +141,6 @@ pub struct RotatedBox {
     pub angle: f64,
 }
 
-impl RotatedBox {
-    /// Converts a vector to box sizes along the axes of the box.
-    #[must_use]
-    pub(crate) fn box_sizes(self, vector: DVec2) -> DVec2 {
-        DVec2::from_angle(-self.angle).rotate(vector) / self.upright.size()
-    }
-}
-
 impl From<ScreenBox> for RotatedBox {
     fn from(upright: ScreenBox) -> Self {
         Self { upright, angle: 0.0 }

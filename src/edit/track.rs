@@ -83,7 +83,7 @@ pub(in crate::edit) fn moved(
     let (layer, pin) = (&shot.layers[at[0]], &shot.layers[at[0]].pins[at[1]]);
     let strength = if layer.strength.abs() < 1e-6 { 1.0 } else { layer.strength };
     let in_unit = |by: DVec2| match (pin.unit, rest_box) {
-        (OffsetUnit::Box, Some(rest_box)) => rest_box.box_sizes(by),
+        (OffsetUnit::Box, Some(rest_box)) => box_sizes(rest_box, by),
         _ => by,
     };
     let change_key = |key: &PinKey| changed(key, change, strength, in_unit).ok_or_else(|| in_scene(pin));
@@ -92,6 +92,11 @@ pub(in crate::edit) fn moved(
     }
     let Some(key) = key_at(shot, at, time) else { return Ok(pin.keys.clone()) };
     Ok(with_key(&pin.keys, change_key(&key)?))
+}
+
+/// Converts a vector of the screen to sizes of a box, along its axes.
+pub(in crate::edit) fn box_sizes(rest_box: RotatedBox, vector: DVec2) -> DVec2 {
+    DVec2::from_angle(-rest_box.angle).rotate(vector) / rest_box.upright.size()
 }
 
 fn in_scene(pin: &Pin) -> EditError {

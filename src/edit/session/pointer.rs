@@ -5,7 +5,7 @@
 use super::gesture::Gesture;
 use super::{Purpose, Session};
 use crate::edit::EditError;
-use crate::edit::track::{Move, handle_moved, key_time, moved};
+use crate::edit::track::{Move, box_sizes, handle_moved, key_time, moved};
 use crate::pipeline::LayerMarks;
 use crate::shot::edit::put_handle;
 use crate::shot::{HandleTrack, LayerSpace, PinKey, PinRegion, Shot};
@@ -252,7 +252,7 @@ impl Session {
                 (plain.strength, plain.step) = (1.0, 1);
                 plain.pin_path(&base.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place])
             });
-            let by = rest_box.box_sizes(by) / if owner.strength == 0.0 { 1.0 } else { owner.strength };
+            let by = box_sizes(rest_box, by) / if owner.strength == 0.0 { 1.0 } else { owner.strength };
             let track = place.map(|place| &owner.handles[place]);
             let first = f64::from(base.frames.first);
             let keys = handle_moved(track, (time, first), [by.x, by.y, 0.0], said.unwrap_or_default());
