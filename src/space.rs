@@ -119,6 +119,15 @@ impl ScreenBox {
         Self::new(ScreenPoint(self.min.0.min(other.min.0)), ScreenPoint(self.max.0.max(other.max.0)))
     }
 
+    /// Returns the bounding box of the box with its corners moved.
+    #[must_use]
+    pub(crate) fn around_moved(self, moved: impl Fn(ScreenPoint) -> ScreenPoint) -> Self {
+        let Self { min, max } = self;
+        let others = [ScreenPoint::new(min.0.x, max.0.y), ScreenPoint::new(max.0.x, min.0.y), max];
+        let at = |corner: ScreenPoint| Self::new(moved(corner), moved(corner));
+        others.into_iter().map(at).fold(at(min), Self::union)
+    }
+
     /// Returns width and height, in frame heights.
     #[must_use]
     pub fn size(self) -> DVec2 {

@@ -76,25 +76,22 @@ impl Lattice<2> {
         let upright = DVec2::from(self.grid.upright_from_point(point.0.to_array()));
         let inside = upright.clamp(self.grid.lo.into(), self.grid.hi.into());
         let at = if inside == upright { point.0.to_array() } else { self.grid.point_from_upright(inside.to_array()) };
-        let at_border = match self.grid.basis.support() {
+        // Skipped without a rotation: this is called often.
+        let axes = (self.grid.angle != 0.0).then(|| DMat2::from_angle(self.grid.angle));
+        let along_box = match self.grid.basis.support() {
             Support::Simplex => {
                 let [[xx, xy], [yx, yy]] = self.evaluate_with_gradient(at).gradient;
-                DMat2::from_cols_array_2d(&[[xx, yx], [xy, yy]])
+                let gradient = DMat2::from_cols_array_2d(&[[xx, yx], [xy, yy]]);
+                axes.map_or(gradient, |axes| gradient * axes)
             }
             Support::Tensor { .. } => gradient_of_rows(self, &self.grid.axes::<MAX_LOCAL>(at)),
             Support::Global => gradient_of_rows(self, &self.grid.axes::<MAX_HANDLES>(at)),
         };
-        if self.grid.angle == 0.0 {
-            let x_axis = if inside.x == upright.x { at_border.x_axis } else { DVec2::X };
-            let y_axis = if inside.y == upright.y { at_border.y_axis } else { DVec2::Y };
-            return DMat2::from_cols(x_axis, y_axis);
-        }
-        // The derivatives along the axes of the box.
-        let axes = DMat2::from_angle(self.grid.angle);
-        let along = at_border * axes;
-        let x_axis = if inside.x == upright.x { along.x_axis } else { axes.x_axis };
-        let y_axis = if inside.y == upright.y { along.y_axis } else { axes.y_axis };
-        DMat2::from_cols(x_axis, y_axis) * axes.transpose()
+        let beyond = axes.unwrap_or(DMat2::IDENTITY);
+        let x_axis = if inside.x == upright.x { along_box.x_axis } else { beyond.x_axis };
+        let y_axis = if inside.y == upright.y { along_box.y_axis } else { beyond.y_axis };
+        let gradient = DMat2::from_cols(x_axis, y_axis);
+        axes.map_or(gradient, |axes| gradient * axes.transpose())
     }
 }
 
@@ -111,7 +108,7 @@ fn sum_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) ->
     image
 }
 
-/// Returns the gradient from the functions of the axes.
+/// Returns the derivatives along the axes of the box from the functions of the axes.
 fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>; 2]) -> DMat2 {
     let Lattice { grid, handles } = lattice;
     let width = grid.dims[0];
@@ -126,8 +123,7 @@ fn gradient_of_rows<const N: usize>(lattice: &Lattice<2>, [x, y]: &[AxisTerms<N>
         columns[0] += slant * *value;
         columns[1] += sum * *slope;
     }
-    let along_box = DMat2::from_cols(columns[0] / grid.size(0), columns[1] / grid.size(1));
-    if grid.angle == 0.0 { along_box } else { along_box * DMat2::from_angle(-grid.angle) }
+    DMat2::from_cols(columns[0] / grid.size(0), columns[1] / grid.size(1))
 }
 
 #[cfg(test)]

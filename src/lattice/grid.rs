@@ -151,13 +151,13 @@ impl<const D: usize> Grid<D> {
     /// Rotates a vector by the angle of the box.
     #[must_use]
     pub(crate) fn rotated(&self, vector: [f64; D]) -> [f64; D] {
-        rotated(vector, self.angle)
+        if self.angle == 0.0 { vector } else { rotated(vector, self.angle.sin_cos()) }
     }
 
     /// Rotates a vector by minus the angle of the box.
     #[must_use]
     pub(crate) fn rotated_back(&self, vector: [f64; D]) -> [f64; D] {
-        rotated(vector, -self.angle)
+        if self.angle == 0.0 { vector } else { rotated(vector, (-self.angle).sin_cos()) }
     }
 
     /// Converts a vector in box sizes, along the axes of the box.
@@ -183,7 +183,7 @@ impl<const D: usize> Grid<D> {
             return point;
         }
         let center: [f64; D] = std::array::from_fn(|axis| 0.5 * (self.lo[axis] + self.hi[axis]));
-        let lever: [f64; D] = rotated(std::array::from_fn(|axis| point[axis] - center[axis]), angle);
+        let lever: [f64; D] = rotated(std::array::from_fn(|axis| point[axis] - center[axis]), angle.sin_cos());
         std::array::from_fn(|axis| center[axis] + lever[axis])
     }
 
@@ -246,7 +246,11 @@ impl<const D: usize> Grid<D> {
 
     /// Calls `visit` for every handle with a weight at a point. Outside the box the polynomials are extended.
     pub(crate) fn for_each_weight(&self, point: [f64; D], mut visit: impl FnMut(HandleWeight<D>)) {
-        let visit = |term: HandleWeight<D>| visit(HandleWeight { gradient: self.rotated(term.gradient), ..term });
+        let turn = (self.angle != 0.0).then(|| self.angle.sin_cos());
+        let visit = |term: HandleWeight<D>| {
+            let gradient = turn.map_or(term.gradient, |turn| rotated(term.gradient, turn));
+            visit(HandleWeight { gradient, ..term });
+        };
         match self.basis.support() {
             Support::Simplex => self.visit_simplex(point, visit),
             Support::Tensor { .. } => self.visit_tensor::<MAX_LOCAL>(point, visit),
@@ -345,10 +349,9 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-/// Rotates a vector in the plane of the first two axes.
-fn rotated<const D: usize>(mut vector: [f64; D], angle: f64) -> [f64; D] {
-    if angle != 0.0 && D > 1 {
-        let (sin, cos) = angle.sin_cos();
+/// Rotates a vector in the plane of the first two axes, by an angle with this sine and cosine.
+fn rotated<const D: usize>(mut vector: [f64; D], (sin, cos): (f64, f64)) -> [f64; D] {
+    if D > 1 {
         (vector[0], vector[1]) = (cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]);
     }
     vector

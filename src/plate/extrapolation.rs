@@ -5,6 +5,7 @@
 
 use super::ramp::Ramp;
 use crate::lattice::{AxisTerms, Grid, MAX_HANDLES, ScreenLattice, Support};
+use crate::space::{ScreenBox, ScreenPoint};
 use glam::{DMat2, DVec2};
 
 /// Border samples per span, to bound the displacement.
@@ -168,12 +169,12 @@ impl ExtrapolatedLattice {
 
     /// Returns a box that contains another one after the rotation of the lattice's box is taken back.
     fn upright_around(&self, lo: DVec2, hi: DVec2) -> [DVec2; 2] {
-        let corners = [lo, DVec2::new(hi.x, lo.y), DVec2::new(lo.x, hi.y), hi];
-        let corners = corners.map(|corner| DVec2::from(self.grid.upright_from_point(corner.to_array())));
-        [
-            corners.into_iter().fold(DVec2::INFINITY, DVec2::min),
-            corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max),
-        ]
+        if self.grid.angle == 0.0 {
+            return [lo, hi];
+        }
+        let upright = |ScreenPoint(point)| ScreenPoint(self.grid.upright_from_point(point.to_array()).into());
+        let around = ScreenBox::new(ScreenPoint(lo), ScreenPoint(hi)).around_moved(upright);
+        [around.min.0, around.max.0]
     }
 
     fn is_ramp_smooth_within(&self, lo: DVec2, hi: DVec2) -> bool {

@@ -9,6 +9,7 @@ mod sample;
 use crate::scene::{Clip, LightKind, Scene};
 use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat4, Mat4, Vec3, Vec4};
+use sample::Moved;
 
 /// The posed scene at one time, in scene space.
 #[derive(Clone, Debug, Default)]
@@ -74,14 +75,26 @@ pub struct ClipChoice {
 /// ```
 #[must_use]
 pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
-    let clip = choice.clip.and_then(|index| scene.clips.get(index));
-    let moved = sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)));
+    let moved = moved(scene, choice, seconds);
     let scene_from_node = hierarchy::scene_from_nodes(scene, &moved);
     Pose {
         parts: deform::parts(scene, &moved, &scene_from_node),
         lights: hierarchy::lights(scene, &scene_from_node),
         scene_from_node: scene_from_node.iter().map(DMat4::as_mat4).collect(),
     }
+}
+
+/// Places the nodes of a scene as [`pose`] does, without its parts and lights.
+#[must_use]
+pub(crate) fn placed_nodes(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
+    let scene_from_node = hierarchy::scene_from_nodes(scene, &moved(scene, choice, seconds));
+    Pose { scene_from_node: scene_from_node.iter().map(DMat4::as_mat4).collect(), ..Pose::default() }
+}
+
+/// Samples the chosen clip.
+fn moved(scene: &Scene, choice: ClipChoice, seconds: f64) -> Moved {
+    let clip = choice.clip.and_then(|index| scene.clips.get(index));
+    sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)))
 }
 
 /// The nodes of a scene at one time, relative to their parents.
@@ -96,8 +109,7 @@ pub(crate) struct LocalPose {
 /// Returns the node transforms at `seconds` of the chosen clip, without meshes; time as in [`pose`].
 #[must_use]
 pub(crate) fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose {
-    let clip = choice.clip.and_then(|index| scene.clips.get(index));
-    let moved = sample::sample(scene, clip, clip.map_or(0.0, |clip| clip_seconds(clip, choice.is_looped, seconds)));
+    let moved = moved(scene, choice, seconds);
     LocalPose { parent_from_node: moved.parent_from_node, weights: moved.weights }
 }
 

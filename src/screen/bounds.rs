@@ -49,7 +49,7 @@ pub(crate) fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Exte
         let from_origin = point - origin;
         ScreenPoint(turn.map_or(from_origin, |turn| turn.rotate(from_origin)))
     };
-    let reach = around_moved(reach, along_axes);
+    let reach = reach.around_moved(along_axes);
     let of_part = |&part: &usize| {
         let vertices = &mesh.parts[part].vertices;
         // Only vertices referenced by triangles or lines count: others may belong to other parts.
@@ -69,12 +69,4 @@ pub(crate) fn bounds(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, extent: Exte
     let max = whole.max.0.min(reach.max.0);
     (min.cmple(max).all() && min.is_finite() && max.is_finite())
         .then(|| ScreenBox::new(ScreenPoint(min), ScreenPoint(max)))
-}
-
-/// Returns the bounds of a box whose corners are moved.
-fn around_moved(reach: ScreenBox, moved: impl Fn(ScreenPoint) -> ScreenPoint) -> ScreenBox {
-    let (min, max) = (reach.min.0, reach.max.0);
-    let corners =
-        [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)].map(|corner| moved(ScreenPoint(corner)));
-    ScreenBox::around(corners).unwrap_or(reach)
 }

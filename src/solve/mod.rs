@@ -70,4 +70,6 @@ pub use settings::{
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
 pub(crate) use trajectory::knots_per_gib;
+pub(crate) use upright::Upright;
+
 pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};

@@ -170,7 +170,7 @@ impl<const D: usize> CancellableSolver<'_, D> {
     pub fn follow(&self, path: &[Targets<D>]) -> Result<Solution<D>, SolveError> {
         let Some(goal) = path.last() else { return self.solve() };
         let Solver { system, box_rotation } = self.solver;
-        let upright: Vec<Targets<D>> = path.iter().map(|targets| box_rotation.upright().targets(targets)).collect();
+        let upright = box_rotation.upright().path(path);
         match system.follow_winding(&upright, self.cancel)? {
             Some(result) => Ok(box_rotation.solution(system.finish(upright.last().unwrap_or(goal), result))),
             None => self.update(&goal.pins, &goal.handles),

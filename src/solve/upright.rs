@@ -66,8 +66,16 @@ impl<'a, const D: usize> Upright<'a, D> {
     }
 
     /// The targets.
-    pub(crate) fn targets(self, targets: &Targets<D>) -> Targets<D> {
+    fn targets(self, targets: &Targets<D>) -> Targets<D> {
         Targets { pins: self.pins(&targets.pins).into_owned(), handles: self.handles(&targets.handles).into_owned() }
+    }
+
+    /// The targets along a path.
+    pub(crate) fn path(self, path: &[Targets<D>]) -> Cow<'_, [Targets<D>]> {
+        if self.is_identity() {
+            return Cow::Borrowed(path);
+        }
+        path.iter().map(|targets| self.targets(targets)).collect()
     }
 
     /// Positions of handles or copies of handles.
@@ -85,7 +93,7 @@ impl<'a, const D: usize> Upright<'a, D> {
         TimedProblem {
             grid: self.grid.upright(),
             shape: self.shape(&shape).into_owned(),
-            path: path.iter().map(|targets| self.targets(targets)).collect(),
+            path: self.path(&path).into_owned(),
             points: points.iter().map(point).collect(),
             drawing,
         }

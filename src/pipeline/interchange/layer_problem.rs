@@ -7,8 +7,7 @@ use crate::pipeline::evaluate::layer_pins::moved_handles;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::evaluate::topology::check_plain;
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape};
-use crate::space::ScreenPoint;
+use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape, Upright};
 
 /// The inputs of a layer's solve.
 #[derive(Clone, Debug)]
@@ -29,9 +28,9 @@ impl LayerProblem {
     }
 }
 
-/// Returns a layer's shape, pins and moved handles on the screen at a frame, rotated back if the box is rotated; `None` if nothing is solved there or the
-/// layer is a world layer. Only points and targets of the pins are included, because no other method supports
-/// rotations.
+/// Returns a layer's shape, pins and moved handles on the screen at a frame, rotated back if the box is rotated; `None` if
+/// nothing is solved there or the layer is a world layer. Only points and targets of the pins are included, because no
+/// other method supports rotations.
 ///
 /// # Errors
 /// [`PipelineError::Solve`] if a layer cannot be solved; [`PipelineError::Unusable`] if a lattice branches.
@@ -44,13 +43,14 @@ pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Resul
     let Some(rotated) = state.solution.as_ref().map(|solution| &solution.lattice.grid) else {
         return Ok(None);
     };
-    let (grid, upright) = (rotated.upright(), |point: ScreenPoint| rotated.upright_from_point(point.0.to_array()));
-    let pins: Vec<_> = state.pins.iter().map(|pin| PointPin::new(upright(pin.rest), upright(pin.target))).collect();
+    let pins: Vec<_> =
+        state.pins.iter().map(|pin| PointPin::new(pin.rest.0.to_array(), pin.target.0.to_array())).collect();
     let targets = prepared.shot.pin_targets(index, prepared.key_frame(layer, frame));
+    let (grid, upright) = (rotated.upright(), Upright::of(rotated));
+    let pins = upright.pins(&pins).into_owned();
     let handles = moved_handles(layer, &grid, &targets);
     let is_empty = pins.is_empty() && handles.is_empty();
-    let mut shape = screen_shape(prepared, &sample, index);
-    shape.points.iter_mut().for_each(|point| *point = rotated.upright_from_point(*point));
+    let shape = upright.shape(&screen_shape(prepared, &sample, index)).into_owned();
     let settings = layer.settings.clone();
     Ok((!is_empty).then_some(LayerProblem { grid, shape, pins, handles, settings }))
 }

@@ -3,6 +3,7 @@
 //! In: a shot and its scene. Out: an error for an unknown node; notes on nodes whose axis points at the camera.
 
 use crate::pipeline::{PipelineError, PreparedShot};
+use crate::pose::placed_nodes;
 use crate::scene::Scene;
 use crate::shot::{LayerSpace, Shot};
 use crate::spelling;
@@ -39,7 +40,9 @@ pub(in crate::pipeline) fn note_foreshortened(prepared: &mut PreparedShot) {
         let (Some((name, axis)), LayerSpace::Screen { .. }) = (&layer.orientation.node, layer.space) else { continue };
         let Some(node) = prepared.scene.node_named(name) else { continue };
         let cosine = |frame: i32| {
-            let (pose, camera) = prepared.view(f64::from(frame));
+            let frame = f64::from(frame);
+            let pose = placed_nodes(&prepared.scene, prepared.clip, frames.seconds(frame));
+            let camera = prepared.camera.at((&prepared.shot, &prepared.scene), frame, &pose);
             let placed = pose.scene_from_node[node].as_dmat4();
             let sight = camera.line_of_sight(placed.w_axis.truncate());
             placed.col(*axis).truncate().normalize_or_zero().dot(sight).abs()
