@@ -435,3 +435,69 @@ fn outside_the_range_pins_at_rest_mean_rest() {
         assert_eq!(farthest(&motion.points(time), limb.points()).max(1e-6), 1e-6, "at {time}");
     }
 }
+
+/// A limb in a square box that rotates about it.
+struct InRotatingBox<'a> {
+    limb: &'a Limb,
+    /// Angle at a time, degrees.
+    degrees: fn(f64) -> f64,
+}
+
+impl Timeline<2> for InRotatingBox<'_> {
+    type Error = SolveError;
+
+    fn settings(&self) -> &Settings {
+        self.limb.settings()
+    }
+
+    fn at(&self, time: f64) -> Result<Option<TimedProblem<2>>, SolveError> {
+        let Some(mut problem) = self.limb.at(time)? else { return Ok(None) };
+        let grid = &mut problem.grid;
+        let half = 0.5 * (grid.hi[0] - grid.lo[0]).hypot(grid.hi[1] - grid.lo[1]);
+        let center = [0, 1].map(|axis| f64::midpoint(grid.lo[axis], grid.hi[axis]));
+        (grid.lo, grid.hi) = (center.map(|x| x - half), center.map(|x| x + half));
+        grid.angle = (self.degrees)(time).to_radians();
+        Ok(Some(problem))
+    }
+}
+
+impl InRotatingBox<'_> {
+    fn trajectory(&self) -> Trajectory<2> {
+        Trajectory::solve(self, coupling(WEIGHT), &Cancel::never()).expect("solved")
+    }
+
+    fn points(&self, trajectory: &Trajectory<2>, time: f64) -> Vec<[f64; 2]> {
+        let problem = self.at(time).expect("a problem").expect("pins act");
+        let lattice = trajectory.solve_at(time, problem, self.settings(), &Cancel::never()).expect("solved").lattice;
+        self.limb.points().iter().map(|&point| lattice.evaluate(point)).collect()
+    }
+}
+
+#[test]
+fn a_box_that_turns_over_at_once_leaves_the_motion_as_it_is() {
+    let keys = [(0.0, [0.6, 1.1, 1.1, 0.4]), (12.0, [-0.2, 0.9, 1.0, -0.6])];
+    let limb = keyed([true, false, true, false, true], &keys);
+    let still = InRotatingBox { limb: &limb, degrees: |_| 0.0 };
+    let turned = InRotatingBox { limb: &limb, degrees: |time| if time < 5.5 { 0.0 } else { 180.0 } };
+    let [own, expected] = [turned.trajectory(), still.trajectory()];
+    assert!(farthest(&still.points(&expected, 0.0), limb.points()) > 50.0, "the limb is bent");
+    for time in [0.0, 3.0, 5.0, 5.25, 5.5 - 1e-6, 5.5, 5.75, 6.0, 9.5, 12.0] {
+        let moved = farthest(&turned.points(&own, time), &still.points(&expected, time));
+        assert!(moved < 0.05, "{moved} px at {time}");
+    }
+}
+
+#[test]
+fn a_box_that_swings_round_hardly_moves_a_held_pose() {
+    let pose = [0.6, 1.1, 1.1, 0.4];
+    let limb = keyed([true, false, true, false, true], &[(0.0, pose), (12.0, pose)]);
+    let swing = |time: f64| 170.0 * ((time - 5.0) / 2.0).clamp(0.0, 1.0);
+    let swinging = InRotatingBox { limb: &limb, degrees: swing };
+    let trajectory = swinging.trajectory();
+    let first = swinging.points(&trajectory, 0.0);
+    assert!(farthest(&first, limb.points()) > 50.0, "the limb is bent");
+    let moves = (0..=48).map(|step| farthest(&swinging.points(&trajectory, 0.25 * f64::from(step)), &first));
+    let farthest = moves.fold(0.0, f64::max);
+    println!("a swinging box moves a held pose by {farthest} px");
+    assert!(farthest < 10.0, "{farthest} px");
+}

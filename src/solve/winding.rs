@@ -87,7 +87,7 @@ fn pairs<const D: usize>(ends: &[[[f64; D]; 2]]) -> impl Iterator<Item = [[f64; 
     })
 }
 
-fn wrapped(angle: f64) -> f64 {
+pub(crate) fn wrapped(angle: f64) -> f64 {
     angle - TAU * ((angle + PI) / TAU).floor()
 }
 

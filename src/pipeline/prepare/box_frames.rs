@@ -53,8 +53,8 @@ pub(in crate::pipeline) fn note_foreshortened(prepared: &mut PreparedShot) {
         if let Some((frame, _)) = foreshortened {
             let axis = AXES[*axis];
             notes.push(format!(
-                "layer '{}': the {axis} axis of '{name}' points at the camera around frame {frame}, where the box spins and the warp \
-                 jumps; name another `axis` in `lattice.frame`",
+                "layer '{}': the {axis} axis of '{name}' points at the camera around frame {frame}, where the box swings round; \
+                 name another `axis` in `lattice.frame`",
                 layer.name
             ));
         }

@@ -17,16 +17,17 @@ impl<const D: usize> Trajectory<D> {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Bytes(Vec::new());
-        let SolvedKnots { coupling, states, drawings, weights } = &self.knots;
+        let SolvedKnots { coupling, states, model_angles, drawings, weights } = &self.knots;
         let Coupling { first, last, knots_per_frame, weight, least_speed } = *coupling;
         out.count(D);
         out.floats(&[first, last, f64::from(knots_per_frame), weight, least_speed, self.weight]);
         out.count(states.len());
-        for (state, drawing) in states.iter().zip(drawings) {
+        for ((state, drawing), angle) in states.iter().zip(drawings).zip(model_angles) {
             out.word(drawing.cast_unsigned());
+            out.floats(&[*angle]);
             match state {
                 None => out.word(NO_STATE),
-                Some(Displacement { handles, copies, points }) => {
+                Some(Displacement { handles, copies, points, box_angle }) => {
                     out.count(handles.len());
                     out.count(copies.len());
                     out.count(points.len());
@@ -36,6 +37,7 @@ impl<const D: usize> Trajectory<D> {
                         out.count(copy.triangle);
                     }
                     out.floats(points.as_flattened());
+                    out.floats(&[*box_angle]);
                 }
             }
         }
@@ -60,14 +62,17 @@ impl<const D: usize> Trajectory<D> {
         }
         let knots_per_frame = knots_per_frame as u32;
         let coupling = Coupling { first, last, knots_per_frame, weight: coupling_weight, least_speed };
-        let knots: Option<Vec<_>> =
-            (0..rest.count(2)?).map(|_| Some((rest.word()?.cast_signed(), rest.state()?))).collect();
-        let (drawings, states): (Vec<i64>, Vec<_>) = knots?.into_iter().unzip();
+        let (mut drawings, mut model_angles, mut states) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..rest.count(3)? {
+            drawings.push(rest.word()?.cast_signed());
+            model_angles.push(rest.float()?);
+            states.push(rest.state()?);
+        }
         let intervals = rest.count(2)?;
         let [weights, interior_weights] = [rest.floats(intervals)?, rest.floats(intervals)?];
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
         let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
-        let knots = SolvedKnots { coupling, states, drawings, weights };
+        let knots = SolvedKnots { coupling, states, model_angles, drawings, weights };
         is_whole.then_some(Self { knots, interior_weights, weight, spreads: spreads? })
     }
 }
@@ -114,8 +119,12 @@ impl Reader<'_> {
         self.floats(N)?.try_into().ok()
     }
 
+    fn float(&mut self) -> Option<f64> {
+        self.word().map(f64::from_bits)
+    }
+
     fn floats(&mut self, count: usize) -> Option<Vec<f64>> {
-        (0..count).map(|_| self.word().map(f64::from_bits)).collect()
+        (0..count).map(|_| self.float()).collect()
     }
 
     fn places<const D: usize>(&mut self, count: usize) -> Option<Vec<[f64; D]>> {
@@ -135,7 +144,7 @@ impl Reader<'_> {
         }
         let handles = self.places(handles)?;
         let copies = (0..copies).map(|_| self.copy()).collect::<Option<Vec<_>>>()?;
-        Some(Some(Displacement { handles, copies, points: self.places(points)? }))
+        Some(Some(Displacement { handles, copies, points: self.places(points)?, box_angle: self.float()? }))
     }
 
     fn copy(&mut self) -> Option<CopyName> {
@@ -158,12 +167,14 @@ mod tests {
             handles: vec![[x, -0.0]; 3],
             copies: Vec::new(),
             points: vec![[f64::MIN_POSITIVE, x]; 2],
+            box_angle: 0.25 * x,
         };
         let copies = [[0, 4], [2, 1], [2, usize::MAX]].map(|[handle, triangle]| CopyName { handle, triangle });
         let branching = Displacement { copies: copies.to_vec(), ..state(-7e300) };
         let knots = SolvedKnots {
             coupling: Coupling { first: -3.5, last: 9.0, knots_per_frame: 2, weight: 0.3, least_speed: 1e-3 },
             states: vec![Some(state(1.0 / 3.0)), None, Some(branching), Some(state(0.1))],
+            model_angles: vec![0.0, -0.0, 3.5, 1e-17],
             drawings: vec![3, -1, i64::MAX, 0],
             weights: vec![0.0, 0.0, 12.5],
         };

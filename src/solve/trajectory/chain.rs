@@ -130,6 +130,12 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
         let first = self.weights.len();
         self.knots.extend(knots);
+        for index in first + 1..self.knots.len() {
+            let (before, rest) = self.knots.split_at_mut(index);
+            if let (Some(Some(before)), Some(knot)) = (before.last(), &mut rest[0]) {
+                knot.follow_rotation(before);
+            }
+        }
         let per_frame = f64::from(self.coupling.knots_per_frame);
         for pair in self.knots.windows(2).skip(first) {
             let (weight, limit) = match pair {
@@ -173,6 +179,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             settled.map(|((weight, interior), is_spread)| SettledInterval { weight, interior, is_spread });
         let front = self.knots.drain(..count).map(|knot| SettledKnot {
             drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
+            model_angle: knot.as_ref().map_or(0.0, |knot| knot.model_angle),
             state: knot.map(|knot| knot.displacement),
             interval: settled.next(),
         });
@@ -384,6 +391,8 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) state: Option<Displacement<D>>,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
+    /// Rotation of the model at the knot.
+    pub(crate) model_angle: f64,
     /// The interval that begins at the knot; `None` at the last knot.
     pub(crate) interval: Option<SettledInterval>,
 }

@@ -1,7 +1,8 @@
 //! The problem of one time, with a proximal term towards the states of neighbouring times.
 //!
 //! In: a [`TimedProblem`], displacements of its points. Out: displacements of its points and handles. Displacements are relative
-//! to the rigid motion that fits the pins best, so they are constant where all pins move rigidly.
+//! to the rigid motion that fits the pins best, so they are constant where all pins move rigidly, and in a frame that rotates with
+//! the model.
 
 use super::displacement::Displacement;
 use super::timeline::TimedProblem;
@@ -16,18 +17,28 @@ use crate::solve::problem::{PointPin, Problem};
 use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
-use crate::solve::winding::Winding;
+use crate::solve::upright::Upright;
+use crate::solve::winding::{Winding, wrapped};
 
 /// Distance from rest, in box diagonals, below which the points of a state with resting pins are set to rest exactly.
 const REST_TOLERANCE: f64 = 0.01;
+
+/// Angle, in radians, below which a rotation is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// The problem of one time with its proximal term.
 #[derive(Debug)]
 pub(crate) struct Knot<const D: usize> {
     pub(crate) system: System<D>,
     path: Vec<Targets<D>>,
-    /// Rest positions of the model's points.
+    /// Rest positions of the model's points, over the upright box.
     points: Vec<[f64; D]>,
+    /// Angle of the box, in radians.
+    pub(crate) angle: f64,
+    /// Rotation of the model since the first knot, in radians; that of the box at the first knot.
+    pub(crate) model_angle: f64,
+    /// The grid, rotated as the box is relative to the frame of the model.
+    in_model: Grid<D>,
     rigid: RigidImage<D>,
     factor: CachedFactor,
     /// Whether all pins and handles are at rest.
@@ -63,9 +74,10 @@ pub(crate) enum Descent {
 }
 
 impl<const D: usize> Knot<D> {
-    /// Samples and factors a problem over an upright box. The initial state is the rigid fit.
+    /// Samples and factors a problem. The initial state is the rigid fit, in the frame of the box.
     pub(crate) fn new(problem: TimedProblem<D>, settings: &Settings, cancel: &Cancel) -> Result<Self, SolveError> {
-        let TimedProblem { grid, shape, path, points, drawing } = problem;
+        let rotated = problem.grid.clone();
+        let TimedProblem { grid, shape, path, points, drawing } = Upright::of(&rotated).problem(problem);
         let goal = path.last().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
         let Targets { pins, handles } = &goal;
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
@@ -82,9 +94,35 @@ impl<const D: usize> Knot<D> {
             handles: vec![[0.0; D]; rigid.handles.len()],
             copies: system.copy_names(),
             points: vec![[0.0; D]; rigid.points.len()],
+            box_angle: 0.0,
         };
-        let factor = CachedFactor::default();
-        Ok(Self { system, path, points, rigid, factor, is_resting, holds_rest: false, drawing, displacement })
+        Ok(Self {
+            system,
+            path,
+            points,
+            angle: rotated.angle,
+            model_angle: rotated.angle,
+            in_model: grid,
+            rigid,
+            factor: CachedFactor::default(),
+            is_resting,
+            holds_rest: false,
+            drawing,
+            displacement,
+        })
+    }
+
+    /// Sets the angle of the box relative to the frame of the model; the state stays as it is.
+    pub(crate) fn set_box_angle(&mut self, angle: f64) {
+        self.in_model.angle = angle;
+        self.displacement.box_angle = angle;
+    }
+
+    /// Continues the rotation of the model from the knot before, if the box has rotated in between.
+    pub(crate) fn follow_rotation(&mut self, before: &Self) {
+        let in_box = if self.angle == before.angle { 0.0 } else { rotation_between(&before.points, &self.points) };
+        self.set_box_angle(before.in_model.angle - in_box);
+        self.model_angle = before.model_angle + wrapped(self.angle - before.angle + in_box);
     }
 
     pub(crate) fn grid(&self) -> &Grid<D> {
@@ -133,22 +171,24 @@ impl<const D: usize> Knot<D> {
 
     /// Sets the state to rest, where all pins and handles are at rest.
     pub(crate) fn at_rest(&mut self) -> MinimizationResult<D> {
-        let Displacement { handles, copies, points } = &self.displacement;
-        let rest = |count: usize| vec![[0.0; D]; count];
-        let rest = Displacement { handles: rest(handles.len()), copies: copies.clone(), points: rest(points.len()) };
+        let mut rest = self.displacement.clone();
+        rest.handles.fill([0.0; D]);
+        rest.points.fill([0.0; D]);
         self.at(&rest)
     }
 
     /// The state of another time, expressed by the unknowns of this one.
     fn transferred(&self, state: &Displacement<D>) -> Displacement<D> {
-        let copies = &self.displacement.copies;
-        if *copies == state.copies {
-            return state.clone();
+        let Displacement { copies, box_angle, .. } = &self.displacement;
+        let (copies, box_angle, count) = (copies.clone(), *box_angle, self.rigid.handles.len());
+        let has_handles = state.has_handles_of(box_angle);
+        if copies == state.copies && has_handles {
+            return Displacement { box_angle, ..state.clone() };
         }
-        let known = state.handles_by_name(copies, self.rigid.handles.len());
+        let known = if has_handles { state.handles_by_name(&copies, count) } else { vec![None; count] };
         let handles = self.system.interpolated(&known, &state.points, &Cancel::never());
         let handles = handles.unwrap_or_else(|| known.iter().map(|known| known.unwrap_or([0.0; D])).collect());
-        Displacement { handles, copies: copies.clone(), points: state.points.clone() }
+        Displacement { handles, copies, points: state.points.clone(), box_angle }
     }
 
     /// Solves this time without a proximal term, like a single frame.
@@ -184,7 +224,7 @@ impl<const D: usize> Knot<D> {
         cancel: &Cancel,
     ) -> Result<MinimizationResult<D>, SolveError> {
         let places = self.rigid.points.iter().zip(points);
-        let places = places.map(|(rigid, by)| std::array::from_fn(|d| rigid[d] + by[d]));
+        let places = places.map(|(rigid, by)| displaced(&self.in_model, rigid, by));
         self.system.set_proximal_targets(places, weight, cancel)?;
         let initial = self.handles();
         let targets = self.system.own_targets();
@@ -205,12 +245,11 @@ impl<const D: usize> Knot<D> {
 
     /// Positions of the handles in the present state.
     pub(crate) fn handles(&self) -> Vec<[f64; D]> {
-        self.displaced(&self.displacement.handles)
+        self.displaced_handles(&self.displacement.handles)
     }
 
-    fn displaced(&self, by: &[[f64; D]]) -> Vec<[f64; D]> {
-        let sums = self.rigid.handles.iter().zip(by);
-        sums.map(|(rigid, by)| std::array::from_fn(|d| rigid[d] + by[d])).collect()
+    fn displaced_handles(&self, by: &[[f64; D]]) -> Vec<[f64; D]> {
+        self.rigid.handles.iter().zip(by).map(|(rigid, by)| displaced(&self.in_model, rigid, by)).collect()
     }
 
     /// Whether the energy with a proximal term of this weight is convex at the present state.
@@ -221,7 +260,7 @@ impl<const D: usize> Knot<D> {
     /// Same as [`Self::is_convex`], at the mean of this state and that of the next knot.
     pub(crate) fn is_convex_halfway(&self, next: &Self, weight: f64) -> bool {
         let halfway = self.displacement.interpolated(&self.transferred(&next.displacement), 0.5).handles;
-        self.system.is_convex(&self.displaced(&halfway), weight, &Cancel::never())
+        self.system.is_convex(&self.displaced_handles(&halfway), weight, &Cancel::never())
     }
 
     /// Sets the state to the solved handles. If all pins rest and all points are near rest, the state becomes rest exactly, which
@@ -229,9 +268,11 @@ impl<const D: usize> Knot<D> {
     /// rest only where the model has been wound around, or a snap is spread over the knot.
     fn set_state(&mut self, handles: &[[f64; D]]) {
         let points = self.system.point_images(handles);
-        let by = |images: &[[f64; D]], rigid: &[[f64; D]]| images.iter().zip(rigid).map(|(a, b)| minus(a, b)).collect();
-        self.displacement.handles = by(handles, &self.rigid.handles);
-        self.displacement.points = by(&points, &self.rigid.points);
+        let by = |images: &[[f64; D]], rigid: &[[f64; D]]| -> Vec<[f64; D]> {
+            images.iter().zip(rigid).map(|(a, b)| self.in_model.rotated(minus(a, b))).collect()
+        };
+        let (handles, points) = (by(handles, &self.rigid.handles), by(&points, &self.rigid.points));
+        (self.displacement.handles, self.displacement.points) = (handles, points);
         let nearness = REST_TOLERANCE * self.grid().diagonal();
         let is_near = |by: &[f64; D]| by.iter().all(|along| along.abs() < nearness);
         if self.is_resting && self.displacement.points.iter().all(is_near) {
@@ -240,9 +281,12 @@ impl<const D: usize> Knot<D> {
         }
     }
 
-    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot. A
-    /// prescribed gradient moves what lies within a span of its pin, or within its region.
+    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot, in
+    /// the frame of the model. A prescribed gradient moves what lies within a span of its pin, or within its region.
     pub(crate) fn motion(&self, next: &Self) -> f64 {
+        let distance = |a: &[f64; D], b: &[f64; D]| {
+            distance(&self.in_model.point_from_upright(*a), &next.in_model.point_from_upright(*b))
+        };
         let farthest =
             |a: &[[f64; D]], b: &[[f64; D]]| a.iter().zip(b).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
         let surface = farthest(&self.points, &next.points).max(farthest(&self.rigid.points, &next.rigid.points));
@@ -261,4 +305,30 @@ impl<const D: usize> Knot<D> {
         let handles = from.handles.iter().zip(&to.handles).map(|(a, b)| distance(&a.target, &b.target));
         pins.chain(handles).fold(surface, f64::max)
     }
+}
+
+/// Moves a point over the upright box by a vector in the frame of the model, in which `in_model` is the grid.
+fn displaced<const D: usize>(in_model: &Grid<D>, point: &[f64; D], by: &[f64; D]) -> [f64; D] {
+    let by = in_model.rotated_back(*by);
+    std::array::from_fn(|d| point[d] + by[d])
+}
+
+/// Angle of the rotation that maps points to others best, in radians, within ±π; 0 in space, and for points in one place.
+fn rotation_between<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
+    if D != 2 || from.is_empty() {
+        return 0.0;
+    }
+    let mean = |points: &[[f64; D]]| -> [f64; D] {
+        std::array::from_fn(|d| points.iter().map(|point| point[d]).sum::<f64>() / points.len() as f64)
+    };
+    let (from_mean, to_mean) = (mean(from), mean(to));
+    let (mut cross, mut dot) = (0.0, 0.0);
+    for (from, to) in from.iter().zip(to) {
+        let (a, b) = (minus(from, &from_mean), minus(to, &to_mean));
+        cross += a[0] * b[1] - a[1] * b[0];
+        dot += a[0] * b[0] + a[1] * b[1];
+    }
+    let angle = cross.atan2(dot);
+    // Where the model rotates with its box, rounding does not.
+    if angle.abs() < ROUNDING { 0.0 } else { angle }
 }

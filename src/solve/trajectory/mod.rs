@@ -73,8 +73,7 @@ impl<const D: usize> Trajectory<D> {
         let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), (3 * count).saturating_sub(1));
         let knot_at = |time: f64| -> Result<Option<Knot<D>>, T::Error> {
             let Some(problem) = timeline.at(time)? else { return Ok(None) };
-            let grid = problem.grid.clone();
-            Ok(Some(Knot::new(Upright::of(&grid).problem(problem), timeline.settings(), &Cancel::never())?))
+            Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
         };
         let build = |index: usize| {
             let knot = knot_at(coupling.knot_time(index));
@@ -102,11 +101,17 @@ impl<const D: usize> Trajectory<D> {
         done.extend(chain.take_front(chain.knots.len()));
         let intervals: Vec<SettledInterval> = done.iter_mut().filter_map(|knot| knot.interval.take()).collect();
         let weights = intervals.iter().map(|interval| interval.weight).collect();
+        let model_angles = done.iter().map(|knot| knot.model_angle).collect();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
-        let knots = SolvedKnots { coupling, states, drawings, weights };
+        let knots = SolvedKnots { coupling, states, model_angles, drawings, weights };
         let search = |&(index, interval): &(usize, &SettledInterval)| {
             // A problem that cannot be built between two knots is reported when its own frame is solved.
-            let weight = interval.interior.weight(&knots, index, &|time| knot_at(time).ok().flatten());
+            let knot_between = |time: f64| {
+                let mut knot = knot_at(time).ok().flatten()?;
+                knots.orient(&mut knot, time);
+                Some(knot)
+            };
+            let weight = interval.interior.weight(&knots, index, &knot_between);
             part_done();
             weight
         };
@@ -144,10 +149,10 @@ impl<const D: usize> Trajectory<D> {
         cancel: &Cancel,
     ) -> Result<Solution<D>, SolveError> {
         let grid = problem.grid.clone();
-        let problem = Upright::of(&grid).problem(problem);
-        let shape = problem.shape.clone();
+        let shape = Upright::of(&grid).shape(&problem.shape).into_owned();
         let mut knot = Knot::new(problem, settings, cancel)?;
         knot.system.mark_active_cells(&shape);
+        self.knots.orient(&mut knot, time);
         let result = self.solve_knot(&mut knot, time, cancel)?;
         let goal = knot.goal().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
         let box_rotation = BoxRotation::new(&grid, knot.system.branching());

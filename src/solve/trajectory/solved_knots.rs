@@ -3,9 +3,10 @@
 //! In: states of knots, weights of intervals. Out: what a time between two knots is drawn to, and how strongly.
 
 use super::displacement::Displacement;
-use super::knot::Proximal;
+use super::knot::{Knot, Proximal};
 use super::timeline::Coupling;
 use crate::solve::linalg::small_matrix::minus;
+use crate::solve::winding::wrapped;
 
 /// Solved knots, and the weights of the intervals between them.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub(crate) struct SolvedKnots<const D: usize> {
     pub(crate) coupling: Coupling,
     /// State of each knot; `None` if nothing is solved there.
     pub(crate) states: Vec<Option<Displacement<D>>>,
+    /// Rotation of the model at each knot, in radians; see [`Knot::model_angle`].
+    pub(crate) model_angles: Vec<f64>,
     /// Drawing that each knot belongs to.
     pub(crate) drawings: Vec<i64>,
     /// ω of each interval, per squared unit of the space: it couples the knots at its ends.
@@ -28,6 +31,17 @@ impl<const D: usize> SolvedKnots<D> {
     /// The time at the fraction `s` of an interval, in frames.
     pub(super) fn time(&self, interval: usize, s: f64) -> f64 {
         self.coupling.knot_time(interval) + s / f64::from(self.coupling.knots_per_frame)
+    }
+
+    /// Sets the angle of the box relative to the frame of the model, for a time that is not a knot. The model rotates evenly from knot
+    /// to knot; the box may not.
+    pub(super) fn orient(&self, knot: &mut Knot<D>, time: f64) {
+        let Some(last) = self.model_angles.len().checked_sub(1) else { return };
+        let place = self.place(time).clamp(0.0, last as f64);
+        let (before, s) = (place.floor() as usize, place.fract());
+        let after = (before + 1).min(last);
+        let [from, to] = [before, after].map(|knot| self.model_angles[knot]);
+        knot.set_box_angle(wrapped(knot.angle - (from + s * (to - from))));
     }
 
     /// The proximal term at the fraction `s` of an interval, for an interior weight ω'. With ω' = ω the state minimises
