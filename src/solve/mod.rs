@@ -54,7 +54,9 @@ pub(crate) use branching::nearest_barycentric;
 pub(crate) use linalg::small_matrix::symmetric_eigen;
 
 pub use branching::{BranchedLattice, Link, LinkEnd, LinkKind};
-pub(crate) use branching::{continued, inner_widths, link_length, nearest_link, solid_links, surface_links};
+pub(crate) use branching::{
+    continued, inner_widths, islands_of, link_length, nearest_link, solid_links, surface_links,
+};
 pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;
 pub use drag::Drag;
@@ -70,6 +72,5 @@ pub use settings::{
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
 pub(crate) use trajectory::knots_per_gib;
-pub(crate) use upright::Upright;
-
 pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};
+pub(crate) use upright::Upright;

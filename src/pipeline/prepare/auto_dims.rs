@@ -85,7 +85,7 @@ fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64
 
 /// Returns the thickness of a mesh: measured through a solid, or across a flat picture.
 fn thickness(mesh: &RestMesh) -> Option<f64> {
-    let links = solid_links(&mesh.points, &mesh.triangles);
+    let links = solid_links(&mesh.points, &mesh.triangles, None);
     let widths: Vec<f64> = if links.is_empty() {
         inner_widths(&mesh.flat(), &mesh.triangles)
     } else {

@@ -10,7 +10,7 @@ use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::{Cut, Layer, Shot, Source};
-use crate::solve::{Link, LinkEnd, Topology, nearest_link, solid_links, surface_links};
+use crate::solve::{Link, LinkEnd, Topology, islands_of, nearest_link, solid_links, surface_links};
 use crate::spelling;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -51,10 +51,11 @@ pub(in crate::pipeline) fn rest_links(
     Ok(all)
 }
 
-/// Returns links along the surface and through the solid.
+/// Returns links along the surface, through the solid, and from covers to what they cover.
 fn links_of_solid(mesh: &RestMesh, radius: f64) -> Vec<Link> {
     let mut links = surface_links(&mesh.points, &mesh.triangles, radius);
-    links.extend(solid_links(&mesh.points, &mesh.triangles));
+    let islands = islands_of(mesh.triangles.len(), &links);
+    links.extend(solid_links(&mesh.points, &mesh.triangles, Some(&islands)));
     let in_own_order = |end: &mut LinkEnd| {
         if mesh.is_mirrored[end.triangle as usize] {
             end.barycentric.swap(1, 2);

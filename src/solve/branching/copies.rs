@@ -1,14 +1,19 @@
 //! The copies of handles: one for each connected component of the shape in a handle's support.
 //!
-//! In: the cuts and links of a shape. Out: for every cut the copies that act on it, and ties, which tell how close copies of one
+//! In: the cuts and links of a shape. Out: for every part of a cell the copies that act on it, and ties, which tell how close copies of one
 //! handle are to each other.
 
-use super::adjacency::{Adjacency, PlacedLink};
+use super::adjacency::PlacedLink;
+use super::cell_connections::{CellConnections, Connection, connection};
+use super::cell_parts::{CellParts, ComponentFinder};
 use super::cuts::Cut;
 use super::disjoint_sets::DisjointSets;
 use super::support_box::{SupportBox, cells_between};
 use crate::lattice::Grid;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Stands for the node of a triangle that has none.
+const NONE: u32 = u32::MAX;
 
 /// Two copies of one handle whose pieces become connected when the support of the handle grows.
 #[derive(Clone, Copy, Debug)]
@@ -26,10 +31,18 @@ pub(super) struct Copies {
     pub(super) handles: Vec<usize>,
     /// The first triangle in the piece of each copy.
     pub(super) first_triangles: Vec<usize>,
-    /// The copies that act on each cut, in the order of the cell's handles: #cuts times #handles of a cell.
-    pub(super) of_cuts: Vec<usize>,
+    /// The copies that act on each part of a cell, in the order of the cell's handles: #parts times #handles of a cell.
+    of_parts: Vec<usize>,
+    handles_per_cell: usize,
     /// Ties between copies of one handle, sorted by copies.
     pub(super) ties: Vec<Tie>,
+}
+
+impl Copies {
+    /// The copies that act on a part of a cell, in the order of the cell's handles.
+    pub(super) fn of_part(&self, part: usize) -> &[usize] {
+        &self.of_parts[part * self.handles_per_cell..][..self.handles_per_cell]
+    }
 }
 
 /// The handles of a tensor basis that act on a cell, ascending; `width` per axis.
@@ -44,24 +57,21 @@ pub(super) fn handles_of_cell<const D: usize>(grid: &Grid<D>, width: usize, cell
 }
 
 /// Finds all copies. `width` is the number of handles with a non-zero weight at a coordinate.
-pub(super) fn copies<const D: usize>(
-    grid: &Grid<D>,
-    width: usize,
-    cuts: &[Cut<D>],
-    adjacency: &Adjacency<D>,
-) -> Copies {
+pub(super) fn copies<const D: usize>(grid: &Grid<D>, width: usize, cuts: &[Cut<D>], parts: &CellParts<D>) -> Copies {
     let handles_per_cell = width.pow(D as u32);
     let mut finder = Finder {
         grid,
-        adjacency,
-        cuts,
-        cuts_of_cell: cuts_by_cell(grid.cell_count(), cuts),
-        place_of: vec![usize::MAX; cuts.last().map_or(0, |cut| cut.triangle + 1)],
+        parts,
+        components: ComponentFinder::new(parts),
+        connections: CellConnections::new(grid, parts, cuts),
+        node_of: vec![NONE; parts.triangle_count()],
+        is_tied_part: vec![false; parts.len()],
     };
     let mut copies = Copies {
         handles: Vec::new(),
         first_triangles: Vec::new(),
-        of_cuts: vec![0; cuts.len() * handles_per_cell],
+        of_parts: vec![0; parts.len() * handles_per_cell],
+        handles_per_cell,
         ties: Vec::new(),
     };
     for handle in 0..grid.handle_count() {
@@ -72,129 +82,158 @@ pub(super) fn copies<const D: usize>(
     copies
 }
 
-fn cuts_by_cell<const D: usize>(count: usize, cuts: &[Cut<D>]) -> Vec<Vec<usize>> {
-    let mut of_cell = vec![Vec::new(); count];
-    cuts.iter().enumerate().for_each(|(number, cut)| of_cell[cut.cell].push(number));
-    of_cell
-}
-
 /// Finds the connected components of the shape in a support.
 struct Finder<'a, const D: usize> {
     grid: &'a Grid<D>,
-    adjacency: &'a Adjacency<D>,
-    cuts: &'a [Cut<D>],
-    cuts_of_cell: Vec<Vec<usize>>,
-    /// Position of each triangle in the list being processed, #triangles; `usize::MAX` if it is not in the list.
-    place_of: Vec<usize>,
+    parts: &'a CellParts<D>,
+    components: ComponentFinder<'a, D>,
+    connections: CellConnections<'a, D>,
+    /// The node of each terminal, #triangles.
+    node_of: Vec<u32>,
+    /// Whether a part is connected with several copies when the support grows by one, #parts.
+    is_tied_part: Vec<bool>,
 }
 
 impl<const D: usize> Finder<'_, D> {
-    /// Adds the copies of a handle.
+    /// Adds the copies of a handle, in the order of their first triangles.
     fn add(&mut self, handle: usize, support: &SupportBox<D>, width: usize, copies: &mut Copies) {
         let cells = cells_between(self.grid, support.cells);
-        let triangles = self.triangles_in(&cells);
-        if triangles.is_empty() {
+        let inside = self.components.components(&cells, |link| support.connects(link));
+        if inside.parts.is_empty() {
             return;
         }
-        let mut pieces = DisjointSets::of(triangles.len());
-        for (link, pair) in self.links_among(&triangles) {
-            if support.connects(link) {
-                pieces.join(pair);
-            }
+        let mut first_of_root = BTreeMap::new();
+        for (&part, &root) in inside.parts.iter().zip(&inside.roots) {
+            let triangle = self.parts.first_triangle(part as usize);
+            first_of_root.entry(root).and_modify(|first: &mut usize| *first = triangle.min(*first)).or_insert(triangle);
         }
+        let mut roots: Vec<(usize, usize)> = first_of_root.into_iter().map(|(root, first)| (first, root)).collect();
+        roots.sort_unstable();
         let first = copies.handles.len();
-        let mut copy_of_root = vec![usize::MAX; triangles.len()];
-        for (place, &triangle) in triangles.iter().enumerate() {
-            let root = pieces.root(place);
-            if copy_of_root[root] == usize::MAX {
-                copy_of_root[root] = copies.handles.len();
-                copies.handles.push(handle);
-                copies.first_triangles.push(triangle);
-            }
+        let mut copy_of_root = vec![usize::MAX; inside.parts.len()];
+        for (triangle, root) in roots {
+            copy_of_root[root] = copies.handles.len();
+            copies.handles.push(handle);
+            copies.first_triangles.push(triangle);
         }
-        let of_triangle: Vec<usize> = (0..triangles.len()).map(|place| copy_of_root[pieces.root(place)]).collect();
-        let per_cut = width.pow(D as u32);
         for &cell in &cells {
             let slot = slot_in_cell(self.grid, width, cell, handle);
-            for &cut in &self.cuts_of_cell[cell] {
-                copies.of_cuts[cut * per_cut + slot] = of_triangle[self.place_of[self.cuts[cut].triangle]];
+            for part in self.parts.in_cell(cell) {
+                let root = inside.root_of(part as u32).unwrap_or_default();
+                copies.of_parts[part * copies.handles_per_cell + slot] = copy_of_root[root];
             }
         }
-        self.forget(&triangles);
         if copies.handles.len() > first + 1 {
-            let inside: Vec<(usize, usize)> = triangles.into_iter().zip(of_triangle).collect();
-            copies.ties.extend(self.ties(support, &inside));
+            let copy_of = |(&part, &root): (&u32, &usize)| (part, copy_of_root[root]);
+            let copy_of_part: Vec<(u32, usize)> = inside.parts.iter().zip(&inside.roots).map(copy_of).collect();
+            copies.ties.extend(self.ties(support, &cells, &copy_of_part));
         }
     }
 
     /// Ties between all pairs of copies of a handle, with the growth at which their pieces become connected (Kruskal's algorithm:
     /// the spanning tree contains the paths that need the least growth). The edges of the tree alone would change from frame to
-    /// frame where two growths are equal.
-    fn ties(&mut self, support: &SupportBox<D>, inside: &[(usize, usize)]) -> Vec<Tie> {
+    /// frame where two growths are equal. `copy_of_part`: the copy of each part in the support, ascending.
+    fn ties(&mut self, support: &SupportBox<D>, inside: &[usize], copy_of_part: &[(u32, usize)]) -> Vec<Tie> {
         let cells = cells_between(self.grid, support.grown(self.grid));
-        let triangles = self.triangles_in(&cells);
-        let mut pieces = DisjointSets::of(triangles.len());
-        let mut first_of_copy = BTreeMap::new();
-        for &(triangle, copy) in inside {
-            let place = self.place_of[triangle];
-            pieces.join([place, *first_of_copy.entry(copy).or_insert(place)]);
+        // Copies in different components stay apart up to a growth of one.
+        let around = self.components.components(&cells, |_| true);
+        let mut copies_of_root = BTreeMap::<usize, BTreeSet<usize>>::new();
+        for &(part, copy) in copy_of_part {
+            copies_of_root.entry(around.root_of(part).unwrap_or_default()).or_default().insert(copy);
         }
-        let mut copies_at = vec![Vec::new(); triangles.len()];
-        first_of_copy.into_iter().for_each(|(copy, place)| copies_at[pieces.root(place)].push(copy));
-        // Most links lie within one copy, and need no growth.
-        let mut links: Vec<(f64, [usize; 2])> = Vec::new();
-        for (link, pair) in self.links_among(&triangles) {
-            if pieces.root(pair[0]) != pieces.root(pair[1])
-                && let Some(growth) = support.growth_below_one(link)
-            {
-                links.push((growth, pair));
+        let mut missing: usize = copies_of_root.values().map(|copies| copies.len() - 1).sum();
+        if missing == 0 {
+            return Vec::new();
+        }
+        let is_tied = |root: &usize| copies_of_root.get(root).is_some_and(|copies| copies.len() > 1);
+        let tied = around.parts.iter().zip(&around.roots).filter(|(_, root)| is_tied(root));
+        tied.for_each(|(&part, _)| self.is_tied_part[part as usize] = true);
+        let nodes = self.place(&cells, inside, copy_of_part);
+        let mut links = Vec::new();
+        for &cell in cells.iter().filter(|cell| inside.binary_search(cell).is_err()) {
+            for &(growth, pair) in self.connections.beside(support, cell) {
+                let pair = pair.map(|triangle| self.node_of[triangle as usize]);
+                if pair[0] != pair[1] && !pair.contains(&NONE) {
+                    links.push((growth, pair));
+                }
             }
         }
-        links.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for link in cells.iter().flat_map(|&cell| self.parts.between(cell)) {
+            self.push_link(support, link, &mut links);
+        }
+        links.sort_unstable_by_key(|(growth, _)| *growth);
+        let mut pieces = DisjointSets::of(nodes.count);
+        let mut copies_at = vec![Vec::new(); nodes.count];
+        for (node, copy) in nodes.copies.iter().enumerate() {
+            copies_at[node].push(*copy);
+        }
         let mut ties = Vec::new();
         for (growth, pair) in links {
-            let [a, b] = pair.map(|place| pieces.root(place));
+            let [a, b] = pair.map(|node| pieces.root(node as usize));
             if a == b {
                 continue;
             }
             let [ours, theirs] = [a, b].map(|root| std::mem::take(&mut copies_at[root]));
             let pairs = ours.iter().flat_map(|&one| theirs.iter().map(move |&other| [one.min(other), one.max(other)]));
-            ties.extend(pairs.map(|copies| Tie { copies, growth: growth.max(0.0) }));
+            ties.extend(pairs.map(|copies| Tie { copies, growth: f64::from_bits(growth) }));
             pieces.join([a, b]);
+            if !ours.is_empty() && !theirs.is_empty() {
+                missing -= 1;
+                if missing == 0 {
+                    break;
+                }
+            }
             copies_at[pieces.root(a)] = [ours, theirs].concat();
         }
-        self.forget(&triangles);
+        self.forget(&cells, &around.parts);
         ties
     }
 
-    /// The triangles with a part in the given cells, ascending. Their positions stay in `place_of` until [`Self::forget`] is
-    /// called.
-    fn triangles_in(&mut self, cells: &[usize]) -> Vec<usize> {
-        let mut triangles = Vec::new();
-        for &cut in cells.iter().flat_map(|&cell| &self.cuts_of_cell[cell]) {
-            let triangle = self.cuts[cut].triangle;
-            if self.place_of[triangle] == usize::MAX {
-                self.place_of[triangle] = 0;
-                triangles.push(triangle);
+    /// Makes one node of each copy and of each terminal of the tied parts in the ring of cells around the support.
+    fn place(&mut self, cells: &[usize], inside: &[usize], copy_of_part: &[(u32, usize)]) -> Nodes {
+        let mut copies: Vec<usize> = copy_of_part.iter().map(|(_, copy)| *copy).collect();
+        copies.sort_unstable();
+        copies.dedup();
+        for &[triangle, part] in inside.iter().flat_map(|&cell| self.parts.terminals(cell)) {
+            if let Ok(found) = copy_of_part.binary_search_by_key(&part, |(part, _)| *part) {
+                self.node_of[triangle as usize] = (copy_of_part[found].1 - copies[0]) as u32;
             }
         }
-        triangles.sort_unstable();
-        triangles.iter().enumerate().for_each(|(place, &triangle)| self.place_of[triangle] = place);
-        triangles
+        let mut count = copies.len();
+        let ring = cells.iter().filter(|cell| inside.binary_search(cell).is_err());
+        for &[triangle, part] in ring.flat_map(|&cell| self.parts.terminals(cell)) {
+            let node = &mut self.node_of[triangle as usize];
+            if *node == NONE && self.is_tied_part[part as usize] {
+                *node = count as u32;
+                count += 1;
+            }
+        }
+        Nodes { copies, count }
     }
 
-    fn forget(&mut self, triangles: &[usize]) {
-        triangles.iter().for_each(|&triangle| self.place_of[triangle] = usize::MAX);
+    /// Adds a link between different nodes, with the growth of the support at which it connects them if that is below one.
+    fn push_link(&self, support: &SupportBox<D>, link: &PlacedLink<D>, links: &mut Vec<Connection>) {
+        let pair = link.triangles.map(|triangle| self.node_of.get(triangle).copied().unwrap_or(NONE));
+        if pair[0] != pair[1] && !pair.contains(&NONE) {
+            links.extend(connection(support, link, pair));
+        }
     }
 
-    /// The links between the given triangles, with the positions of both.
-    fn links_among(&self, triangles: &[usize]) -> impl Iterator<Item = (&PlacedLink<D>, [usize; 2])> {
-        let links = triangles.iter().flat_map(|&triangle| self.adjacency.from(triangle));
-        links.filter_map(|link| {
-            let pair = link.triangles.map(|triangle| self.place_of.get(triangle).copied().unwrap_or(usize::MAX));
-            (pair[1] != usize::MAX).then_some((link, pair))
-        })
+    /// Clears what [`Self::place`] has noted.
+    fn forget(&mut self, cells: &[usize], parts: &[u32]) {
+        for &[triangle, _] in cells.iter().flat_map(|&cell| self.parts.terminals(cell)) {
+            self.node_of[triangle as usize] = NONE;
+        }
+        parts.iter().for_each(|&part| self.is_tied_part[part as usize] = false);
     }
+}
+
+/// The nodes between which links are sought.
+struct Nodes {
+    /// The copies of the handle, which are the first nodes.
+    copies: Vec<usize>,
+    /// Number of nodes.
+    count: usize,
 }
 
 /// Position of a handle among those of a cell.

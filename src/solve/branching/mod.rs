@@ -12,6 +12,8 @@ mod along_shape;
 mod around_pin;
 mod bending;
 mod branched_lattice;
+mod cell_connections;
+mod cell_parts;
 mod continuation;
 mod copies;
 mod cuts;
@@ -33,13 +35,14 @@ pub(crate) use inner_width::inner_widths;
 pub use link::{Link, LinkEnd, LinkKind};
 pub(crate) use nearest_point::nearest_barycentric;
 pub(crate) use rest_links::{nearest_link, surface_links};
-pub(crate) use solid_links::{link_length, solid_links};
+pub(crate) use solid_links::{islands_of, link_length, solid_links};
 
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Shape};
 use super::settings::{Settings, Topology};
 use crate::lattice::{Grid, Support};
 use adjacency::Adjacency;
+use cell_parts::CellParts;
 use copies::{Tie, copies, handles_of_cell};
 use cuts::{Cut, cuts};
 use nearest_point::nearest_of_triangle;
@@ -101,8 +104,10 @@ impl<const D: usize> Branching<D> {
     /// Splits the handles of a grid by the connected components of a shape in their supports.
     fn split(grid: &Grid<D>, shape: &Shape<D>, width: usize) -> Self {
         let cuts = cuts(grid, shape);
-        let copies = copies(grid, width, &cuts, &Adjacency::of(shape));
-        let pieces = Pieces::of(grid, width, &cuts, &copies);
+        let adjacency = Adjacency::of(shape);
+        let parts = CellParts::of(grid, &cuts, &adjacency);
+        let copies = copies(grid, width, &cuts, &parts);
+        let pieces = Pieces::of(grid, width, &cuts, (&parts, &copies));
         let (branch_of, branches) = pieces.branches(grid, width);
         let corner = |&corner: &u32| shape.points[corner as usize];
         let first_cut = |triangle: usize| cuts.partition_point(|cut| cut.triangle < triangle) as u32;
@@ -243,15 +248,11 @@ pub(crate) fn settings_for<const D: usize>(grid: &Grid<D>, settings: &Settings) 
     settings
 }
 
-/// The number of handles with a non-zero weight at a coordinate, after checking that basis, dimension and shape support
-/// branching.
+/// The number of handles with a non-zero weight at a coordinate, after checking that basis and shape support branching.
 fn checked_width<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) -> Result<usize, SolveError> {
     let Support::Tensor { width } = grid.basis.support() else {
         return Err(refusal(&format!("the {} basis", grid.basis.label()), "use basis = \"bspline\" or \"bilinear\""));
     };
-    if D != 2 {
-        return Err(refusal("space = \"world\"", "use space = \"screen\""));
-    }
     if shape.triangles.is_empty() || !shape.strokes.is_empty() {
         return Err(refusal("lines, or without triangles", "use a shape of triangles alone"));
     }

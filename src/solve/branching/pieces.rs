@@ -2,6 +2,7 @@
 //!
 //! In: cuts with their copies. Out: pieces, their adjacency, and the branch of each.
 
+use super::cell_parts::CellParts;
 use super::copies::{Copies, handles_of_cell};
 use super::cuts::Cut;
 use crate::lattice::Grid;
@@ -33,19 +34,25 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    /// Groups cuts by cell and copies.
-    pub(super) fn of<const D: usize>(grid: &Grid<D>, width: usize, cuts: &[Cut<D>], copies: &Copies) -> Self {
-        let per_cut = copies.of_cuts.len() / cuts.len().max(1);
-        let copies_of = |cut: usize| &copies.of_cuts[cut * per_cut..][..per_cut];
-        let key = |&cut: &usize| (cuts[cut].cell, copies_of(cut));
-        let mut order: Vec<usize> = (0..cuts.len()).collect();
+    /// Groups the parts of cells by cell and copies.
+    pub(super) fn of<const D: usize>(
+        grid: &Grid<D>,
+        width: usize,
+        cuts: &[Cut<D>],
+        (parts, copies): (&CellParts<D>, &Copies),
+    ) -> Self {
+        let cells: Vec<usize> =
+            (0..grid.cell_count()).flat_map(|cell| parts.in_cell(cell).map(move |_| cell)).collect();
+        let key = |&part: &usize| (cells[part], copies.of_part(part));
+        let mut order: Vec<usize> = (0..parts.len()).collect();
         order.sort_by(|a, b| key(a).cmp(&key(b)).then(a.cmp(b)));
-        let (mut list, mut of_cuts) = (Vec::new(), vec![0; cuts.len()]);
+        let (mut list, mut of_parts) = (Vec::<Piece>::new(), vec![0; parts.len()]);
         for same in order.chunk_by(|a, b| key(a) == key(b)) {
-            same.iter().for_each(|&cut| of_cuts[cut] = list.len());
-            let area = same.iter().map(|&cut| cuts[cut].area).sum();
-            list.push(Piece { cell: cuts[same[0]].cell, copies: copies_of(same[0]).to_vec(), area });
+            same.iter().for_each(|&part| of_parts[part] = list.len());
+            list.push(Piece { cell: cells[same[0]], copies: copies.of_part(same[0]).to_vec(), area: 0.0 });
         }
+        let of_cuts: Vec<usize> = parts.of_cuts.iter().map(|&part| of_parts[part as usize]).collect();
+        cuts.iter().zip(&of_cuts).for_each(|(cut, &piece)| list[piece].area += cut.area);
         let adjacent_pieces = adjacent_pieces(grid, width, &list);
         let is_one = |(_, copies): &&(usize, Vec<[usize; 2]>)| copies.iter().all(|[own, other]| own == other);
         let neighbours =

@@ -1,8 +1,10 @@
-//! Links through the inside of solids, between front and back of a limb, for example.
+//! Links through the inside of solids, between front and back of a limb, for example, and from what covers a part to that part: a
+//! sleeve goes along with its arm everywhere.
 //!
-//! In: a surface at rest in 3D. Out: [`Link`]s from points of each triangle, along the inward normal, to the opposite side. Open
-//! surfaces have no inside and get no such links.
+//! In: a surface at rest in 3D. Out: [`Link`]s from points of each triangle, along the inward normal, to the opposite side, or to
+//! another island close below. Open surfaces with nothing below have no such links.
 
+use super::disjoint_sets::DisjointSets;
 use super::link::{Link, LinkEnd, LinkKind};
 use super::ray::Ray;
 use crate::solve::linalg::small_matrix::{distance, dot, minus};
@@ -21,12 +23,16 @@ const MAX_RAYS: usize = 400_000;
 /// Offset of the start of a ray from the surface, as a fraction of the diagonal.
 const OFF_SURFACE: f64 = 1e-7;
 
+/// Largest distance of a cover (clothes, hair, a shadow) from what it covers, as a fraction of the diagonal.
+const COVER: f64 = 0.03;
+
 /// The bounding box of a triangle, with the index of the triangle.
 type Boxed = GeomWithData<Rectangle<[f64; 3]>, usize>;
 
-/// Links through the inside of closed surfaces.
+/// Links through the inside of closed surfaces. `islands`: the island of each triangle, #triangles; with it, covers are linked to
+/// what they cover, too.
 #[must_use]
-pub(crate) fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Link> {
+pub(crate) fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]], islands: Option<&[usize]>) -> Vec<Link> {
     let surface = Surface::of(points, triangles);
     let pitch = PITCH * surface.diagonal;
     let count = |corners: &[[f64; 3]; 3]| {
@@ -39,10 +45,20 @@ pub(crate) fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Li
         let side = if rays > MAX_RAYS { 1 } else { count(corners) };
         for from in centroids(side) {
             let start = LinkEnd { triangle: number as u32, barycentric: from.map(|share| share as f32) };
-            links.extend(surface.exit(number, &from).map(|end| Link { ends: [start, end], kind: LinkKind::Across }));
+            let end = surface.below(number, &from, islands);
+            links.extend(end.map(|end| Link { ends: [start, end], kind: LinkKind::Across }));
         }
     }
     links
+}
+
+/// The island of each triangle: the number of one of the triangles with which it hangs together along the surface.
+#[must_use]
+pub(crate) fn islands_of(triangle_count: usize, links: &[Link]) -> Vec<usize> {
+    let mut islands = DisjointSets::of(triangle_count);
+    let edges = links.iter().filter(|link| link.kind == LinkKind::Edge);
+    edges.for_each(|link| islands.join(link.ends.each_ref().map(|end| end.triangle as usize)));
+    (0..triangle_count).map(|triangle| islands.root(triangle)).collect()
 }
 
 /// The distance between the ends of a link.
@@ -81,9 +97,9 @@ impl Surface {
         Self { tree: RTree::bulk_load(boxed.collect()), diagonal, corners }
     }
 
-    /// The point where a ray that enters the solid at a point of a triangle leaves it again; `None` if it first meets a surface
-    /// from outside, or meets nothing.
-    fn exit(&self, triangle: usize, from: &[f64; 3]) -> Option<LinkEnd> {
+    /// The point where a ray that enters the solid at a point of a triangle leaves it again, or enters another island close below;
+    /// `None` if it first meets any other surface from outside, or meets nothing.
+    fn below(&self, triangle: usize, from: &[f64; 3], islands: Option<&[usize]>) -> Option<LinkEnd> {
         let corners = &self.corners[triangle];
         let normal = unit(&normal(corners))?;
         let off = OFF_SURFACE * self.diagonal;
@@ -94,9 +110,10 @@ impl Surface {
             let (t, barycentric) = ray.hit(&self.corners[boxed.data])?;
             Some((t, boxed.data, barycentric))
         });
-        let (_, number, barycentric) = hits.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-        let outwards = dot(&self::normal(&self.corners[number]), &ray.direction);
-        (outwards > 0.0)
+        let (t, number, barycentric) = hits.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+        let is_exit = dot(&self::normal(&self.corners[number]), &ray.direction) > 0.0;
+        let is_cover = islands.is_some_and(|islands| islands[number] != islands[triangle]);
+        (is_exit || is_cover && t <= COVER * self.diagonal)
             .then(|| LinkEnd { triangle: number as u32, barycentric: barycentric.map(|share| share as f32) })
     }
 }
@@ -137,6 +154,7 @@ fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::branching::surface_links;
 
     /// A box with corners at 0 and `size`; opposite faces are consecutive.
     fn faces(size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
@@ -149,7 +167,7 @@ mod tests {
     fn the_sides_of_a_box_hang_together_through_it_and_those_of_a_sheet_do_not() {
         let size = [1.0, 2.0, 4.0];
         let (points, triangles) = faces(size);
-        let links = solid_links(&points, &triangles);
+        let links = solid_links(&points, &triangles, None);
         assert!(links.len() > 100);
         for link in &links {
             let length = link_length(link, &points, &triangles);
@@ -157,8 +175,27 @@ mod tests {
             let [from, to] = link.ends.each_ref().map(|end| end.triangle / 2);
             assert_eq!(from ^ 1, to, "opposite faces");
         }
-        assert!(solid_links(&points, &triangles[..2]).is_empty());
+        assert!(solid_links(&points, &triangles[..2], None).is_empty());
         let inside_out: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-        assert!(solid_links(&points, &inside_out).is_empty(), "outwards there is nothing");
+        assert!(solid_links(&points, &inside_out, None).is_empty(), "outwards there is nothing");
+    }
+
+    #[test]
+    fn a_cover_is_linked_to_what_lies_close_below_it() {
+        let (mut points, mut triangles) = faces([1.0, 2.0, 4.0]);
+        let solid = solid_links(&points, &triangles, None).len();
+        let mut covers = |gap: f64| {
+            let base = points.len() as u32;
+            points.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]].map(|[x, y]| [x, y, 4.0 + gap]));
+            triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+            let links = surface_links(&points, &triangles, 0.0);
+            let links = solid_links(&points, &triangles, Some(&islands_of(triangles.len(), &links)));
+            points.truncate(8);
+            triangles.truncate(12);
+            links.len() - solid
+        };
+        assert!(covers(0.1) > 100, "{}", covers(0.1));
+        assert_eq!(covers(0.5), 0, "too far away");
+        assert_eq!(covers(-4.1), 0, "the solid does not cover what faces away below it");
     }
 }

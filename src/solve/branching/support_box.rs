@@ -1,12 +1,15 @@
-//! The support of a handle, and its distance from links.
+//! Boxes of cells, such as the support of a handle, and their distance from links.
 //!
-//! In: a handle. Out: the cells of its support; distances in spans, negative inside.
+//! In: a handle or a cell. Out: the cells of the box; distances in spans, negative inside.
 
 use super::adjacency::PlacedLink;
 use super::link::LinkKind;
 use crate::lattice::Grid;
 
-/// The open support of a handle of a tensor basis.
+/// Distance from a border, in spans, within which rounding may put a point on the other side.
+pub(super) const ROUNDING: f64 = 1e-9;
+
+/// An open box of cells: the support of a handle of a tensor basis, or a single cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SupportBox<const D: usize> {
     /// First and last cell of each axis.
@@ -21,17 +24,53 @@ impl<const D: usize> SupportBox<D> {
     pub(super) fn of(grid: &Grid<D>, width: usize, handle: usize) -> Self {
         let place = grid.handle_coords(handle);
         let last = grid.dims.map(|count| grid.basis.spans(count) - 1);
-        let cells: [[usize; 2]; D] =
-            std::array::from_fn(|axis| [place[axis].saturating_sub(width - 1), place[axis].min(last[axis])]);
-        let border = |axis: usize, span: usize| grid.lo[axis] + span as f64 * grid.spacing(axis);
+        Self::around(
+            grid,
+            std::array::from_fn(|axis| [place[axis].saturating_sub(width - 1), place[axis].min(last[axis])]),
+        )
+    }
+
+    /// A single cell.
+    pub(super) fn of_cell(grid: &Grid<D>, cell: usize) -> Self {
+        Self::around(grid, grid.cell_coords(cell).map(|place| [place; 2]))
+    }
+
+    /// The box of these cells.
+    fn around(grid: &Grid<D>, cells: [[usize; 2]; D]) -> Self {
+        let last = grid.dims.map(|count| grid.basis.spans(count) - 1);
         let borders = std::array::from_fn(|axis| {
             let [low, high] = cells[axis];
             [
-                if low == 0 { f64::NEG_INFINITY } else { border(axis, low) },
-                if high == last[axis] { f64::INFINITY } else { border(axis, high + 1) },
+                if low == 0 { f64::NEG_INFINITY } else { border(grid, axis, low) },
+                if high == last[axis] { f64::INFINITY } else { border(grid, axis, high + 1) },
             ]
         });
         Self { cells, borders, spacing: std::array::from_fn(|axis| grid.spacing(axis)) }
+    }
+
+    /// The cells that a segment may meet.
+    pub(super) fn cells_around(grid: &Grid<D>, ends: &[[f64; D]; 2]) -> Vec<usize> {
+        let range = |axis: usize| {
+            let [low, high] = [ends[0][axis].min(ends[1][axis]), ends[0][axis].max(ends[1][axis])];
+            [span_of(grid, axis, low, -ROUNDING), span_of(grid, axis, high, ROUNDING)]
+        };
+        cells_between(grid, std::array::from_fn(range))
+    }
+
+    /// The cell that contains a point; `None` if it lies on a border between cells.
+    pub(super) fn cell_inside(grid: &Grid<D>, point: &[f64; D]) -> Option<usize> {
+        let mut cell = 0;
+        for axis in (0..D).rev() {
+            let count = grid.basis.spans(grid.dims[axis]);
+            let span = span_of(grid, axis, point[axis], 0.0);
+            let is_inside = (span == 0 || border(grid, axis, span) < point[axis])
+                && (span + 1 == count || point[axis] < border(grid, axis, span + 1));
+            if !is_inside {
+                return None;
+            }
+            cell = cell * count + span;
+        }
+        Some(cell)
     }
 
     /// The range of cells extended by one cell on all sides, inside the grid.
@@ -83,7 +122,7 @@ impl<const D: usize> SupportBox<D> {
     }
 
     /// Growth of the box on all sides, in spans, at which it meets a segment; negative if it already does.
-    fn growth(&self, ends: &[[f64; D]; 2]) -> f64 {
+    pub(super) fn growth(&self, ends: &[[f64; D]; 2]) -> f64 {
         // The signed distance from each border is linear along the segment. The minimum of the largest distance is at an end, or
         // where two distances are equal.
         let mut lines = [[0.0; 2]; 6];
@@ -98,7 +137,12 @@ impl<const D: usize> SupportBox<D> {
         }
         let lines = &lines[..count];
         let greatest = |t: f64| lines.iter().map(|[a, b]| a + t * (b - a)).fold(f64::NEG_INFINITY, f64::max);
-        let mut least = greatest(0.0).min(greatest(1.0));
+        let ends = [0, 1].map(|end| lines.iter().map(|line| line[end]).fold(f64::NEG_INFINITY, f64::max));
+        let mut least = ends[0].min(ends[1]);
+        // The border that is farthest at both ends is farthest all along.
+        if lines.iter().any(|line| [0, 1].iter().all(|&end| line[end] == ends[end])) {
+            return least;
+        }
         for (k, [a, b]) in lines.iter().enumerate() {
             for [c, d] in &lines[k + 1..] {
                 let t = (c - a) / ((b - a) - (d - c));
@@ -109,6 +153,17 @@ impl<const D: usize> SupportBox<D> {
         }
         least
     }
+}
+
+/// The coordinate at which a span begins.
+fn border<const D: usize>(grid: &Grid<D>, axis: usize, span: usize) -> f64 {
+    grid.lo[axis] + span as f64 * grid.spacing(axis)
+}
+
+/// The span that contains a coordinate moved by some spans; the first or last one outside the grid.
+fn span_of<const D: usize>(grid: &Grid<D>, axis: usize, x: f64, by: f64) -> usize {
+    let last = grid.basis.spans(grid.dims[axis]) - 1;
+    ((x - grid.lo[axis]) / grid.spacing(axis) + by).clamp(0.0, last as f64) as usize
 }
 
 /// Indices of all cells in a range per axis, x fastest.

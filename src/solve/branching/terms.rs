@@ -27,7 +27,7 @@ const MAX_TIE_FACTOR: f64 = 1e8;
 /// handle).
 const CHOICE_EXPONENT: i32 = 16;
 
-/// Area of a part of the shape, as a fraction of a cell, from which on its rows have full weight.
+/// Area of a part of the shape, as a fraction of a cell (in space, of a side of a cube as large), from which on its rows have full weight.
 const FULL_FRACTION: f64 = 0.02;
 
 impl<const D: usize> Branching<D> {
@@ -58,9 +58,7 @@ impl<const D: usize> Branching<D> {
             for pin in &around {
                 samples.iter_mut().for_each(|sample| sample.stiffness *= pin.stiffness_at(branch, sample.at));
             }
-            let mut area = Area::new(&self.grid, &samples, cancel);
-            area.relabel(|handle| self.copy(branch, handle));
-            area
+            Area::new(&self.grid, &samples, cancel).relabelled(|handle| self.copy(branch, handle))
         };
         let shape = Box::new(Area::joined((0..self.branches.len()).map(area)));
         WithPinNeighbourhoods::over(shape, &self.grid, settings, (&around, self.tie_rows()))
@@ -196,7 +194,8 @@ impl<const D: usize> Branching<D> {
 
     /// The area from which on a part of the shape has full weight.
     pub(super) fn full_area(&self) -> f64 {
-        FULL_FRACTION * (0..D).map(|axis| self.grid.spacing(axis)).product::<f64>()
+        let size: f64 = (0..D).map(|axis| self.grid.spacing(axis)).product();
+        FULL_FRACTION * size.powf(2.0 / D as f64)
     }
 
     /// The copy of a handle in a branch.

@@ -43,14 +43,20 @@ impl<const D: usize> Area<D> {
             gradients.order.iter().map(|rows| rows.map(of_row)).collect()
         };
         let (areas, plain_areas) = (lanes(|sample| sample.area * sample.stiffness), lanes(|sample| sample.area));
-        let tasks = if D == 3 { tasks(&gradients.blocks) } else { Vec::new() };
         let total = samples.iter().map(|sample| sample.area).sum();
-        Self { gradients, areas, plain_areas, total, tasks }
+        Self { gradients, areas, plain_areas, total, tasks: Vec::new() }.with_tasks()
+    }
+
+    /// Divides the blocks into tasks.
+    fn with_tasks(mut self) -> Self {
+        self.tasks = if D == 3 { tasks(&self.gradients.blocks) } else { Vec::new() };
+        self
     }
 
     /// Replaces the handle indices by those of other unknowns, in the same order.
-    pub(crate) fn relabel(&mut self, unknown_of: impl Fn(usize) -> usize) {
+    pub(crate) fn relabelled(mut self, unknown_of: impl Fn(usize) -> usize) -> Self {
         self.gradients.relabel(unknown_of);
+        self.with_tasks()
     }
 
     /// Joins several energies into their sum.
@@ -63,7 +69,7 @@ impl<const D: usize> Area<D> {
             joined.plain_areas.extend(part.plain_areas);
             joined.total += part.total;
         }
-        joined
+        joined.with_tasks()
     }
 
     /// Gradients at all samples, packet by packet, as [row][column][lane].
