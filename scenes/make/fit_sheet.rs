@@ -98,6 +98,7 @@ fn fit(picture: &Path, file: &Path) -> anyhow::Result<()> {
         name: "cat".into(),
         track,
         placements: BTreeMap::new(),
+        has_branches_in_scene: false,
         wholes: BTreeMap::new(),
         branches: BTreeMap::new(),
     };

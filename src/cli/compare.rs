@@ -10,9 +10,9 @@ use crate::image::{FileKind, write_png};
 use crate::lattice::Basis;
 use crate::pipeline::{Keeping, PreparedShot, input_files, layer_problem};
 use crate::shot::{Layer, LayerSpace, Shot};
-use crate::solve::Problem;
 use crate::solve::methods::{self, Deformer};
 use crate::solve::problem_file::{self, Figures};
+use crate::solve::{Problem, Topology};
 use crate::spelling;
 use anyhow::{Context, bail};
 use std::io::Write;
@@ -68,6 +68,13 @@ fn run_shot(args: &CompareArgs) -> anyhow::Result<Outcome> {
     let Some(posed) = layer_problem(&prepared, layer, f64::from(frame))? else {
         bail!("{}", why_unsolved(&prepared.shot, layer, frame));
     };
+    if prepared.shot.layers[layer].settings.topology == Topology::Branching {
+        let name = &prepared.shot.layers[layer].name;
+        writeln!(
+            std::io::stderr(),
+            "note: the lattice of layer '{name}' branches; methods are compared without branches"
+        )?;
+    }
     run_plane(args, &SheetModel { problem: &posed.problem(), color_runs: &[], title: &title })
 }
 

@@ -50,7 +50,8 @@ pub(super) fn run(args: &FitArgs) -> anyhow::Result<Outcome> {
     print(&landmarks, &found, subject.size)?;
     let lattices = BTreeMap::from([(subject.frame, found.lattice)]);
     let (placements, branches, wholes) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-    let track = LatticeTrack { name: subject.name, track: Track::Screen(lattices), placements, branches, wholes };
+    let (name, track, has_branches_in_scene) = (subject.name, Track::Screen(lattices), false);
+    let track = LatticeTrack { name, track, placements, branches, has_branches_in_scene, wholes };
     let file = LatticeFile { frame_aspect: subject.size.aspect(), rate: subject.rate, layers: vec![track] };
     file.write(&args.output)?;
     let output = args.output.display();

@@ -45,6 +45,8 @@ pub struct LatticeTrack {
     pub placements: BTreeMap<i32, BoxFrame>,
     /// For tracks on the screen whose lattice branches, the branches at each frame; the track's lattice is that of the largest.
     pub branches: BTreeMap<i32, LatticeBranches>,
+    /// Whether a lattice of the track branches in the scene. The track holds the largest branches, and cannot be written to a file.
+    pub has_branches_in_scene: bool,
     /// For tracks of whole pictures with a fixed border, the warps that contain the lattices. Not stored in files.
     pub wholes: BTreeMap<i32, WholeWarp>,
 }
@@ -118,6 +120,17 @@ impl LatticeFile {
     /// # Errors
     /// [`ExportError::Write`] if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), ExportError> {
+        if let Some(index) = self.layers.iter().position(|layer| layer.has_branches_in_scene) {
+            return Err(ExportError::Invalid {
+                path: path.to_owned(),
+                key: format!("layers[{index}]"),
+                what: format!(
+                    "the lattice of layer '{}' branches in the scene, which lattice files do not hold",
+                    self.layers[index].name
+                ),
+                hint: "set topology = \"plain\" in its `lattice`, or export its meshes (--to gltf)".into(),
+            });
+        }
         let layers = self.layers.iter().map(|layer| match &layer.track {
             Track::Screen(lattices) => raw_track(layer, RawSpace::Screen, lattices),
             Track::World(lattices) => raw_track(layer, RawSpace::World, lattices),
@@ -178,7 +191,14 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
         };
         let placements = placements(&layer, &key)?;
         let branches = branches(&layer, &key, is_plain)?;
-        layers.push(LatticeTrack { placements, branches, wholes: BTreeMap::new(), name: layer.name, track });
+        layers.push(LatticeTrack {
+            placements,
+            branches,
+            has_branches_in_scene: false,
+            wholes: BTreeMap::new(),
+            name: layer.name,
+            track,
+        });
     }
     if layers.is_empty() {
         return Err(fault("layers", "is empty", "export a shot whose layers have pins or moved handles"));
@@ -348,6 +368,7 @@ mod tests {
             track,
             placements: BTreeMap::new(),
             branches: BTreeMap::new(),
+            has_branches_in_scene: false,
             wholes: BTreeMap::new(),
         };
         let mut layers = vec![track("body", Track::Screen(screen)), track("head", Track::World(world))];

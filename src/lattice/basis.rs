@@ -87,6 +87,12 @@ impl Basis {
         self.support() != Support::Global
     }
 
+    /// Whether lattices with this basis can branch: each handle influences a box of cells.
+    #[must_use]
+    pub(crate) const fn can_branch(self) -> bool {
+        matches!(self.support(), Support::Tensor { .. })
+    }
+
     /// Whether the lattice interpolates its handles linearly along the axes, so that its gradient jumps between cells.
     #[must_use]
     pub(crate) fn is_piecewise_linear(self) -> bool {

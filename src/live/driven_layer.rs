@@ -5,7 +5,7 @@
 use super::{Controls, Moved, OwnPins, Pin};
 use crate::plate::Matte;
 use crate::shot::{Anchor, Ease, Goal, Layer, LayerSpace, OffsetUnit, PinKey, Rotation};
-use crate::solve::Guard;
+use crate::solve::{Guard, Topology};
 
 /// Whether the pins of the controls stay at rest or move to their targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,9 @@ pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (Ow
         layer.space = LayerSpace::Screen { dims: controls.dims, bounds };
     }
     layer.basis = controls.basis;
+    if layer.has_auto_topology && !layer.basis.can_branch() {
+        layer.settings.topology = Topology::Plain;
+    }
     layer.settings = layer.settings.with_smoothness(controls.smoothness);
     layer.strength *= controls.strength;
     if controls.guard == Guard::Limit {

@@ -125,6 +125,8 @@ fn layer(bounds: BoxRule) -> Layer {
         selection: Selection::default(),
         space: LayerSpace::Screen { dims, bounds },
         has_auto_dims: false,
+        // The coverage of a plate does not tell its parts apart.
+        has_auto_topology: false,
         connectivity: Connectivity::default(),
         basis,
         settings: Settings::default(),

@@ -130,5 +130,5 @@ fn track(name: String, frames: BTreeMap<i32, Lattice>) -> Result<LatticeTrack, F
     }
     let track = if world.is_empty() { Track::Screen(screen) } else { Track::World(world) };
     let (placements, branches, wholes) = Default::default();
-    Ok(LatticeTrack { name, track, placements, branches, wholes })
+    Ok(LatticeTrack { name, track, placements, branches, has_branches_in_scene: false, wholes })
 }

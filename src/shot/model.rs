@@ -172,6 +172,8 @@ pub struct Layer {
     /// Whether the dims of `space` are chosen during preparation, from the thinnest parts of the layer and its nearest
     /// pins.
     pub has_auto_dims: bool,
+    /// Whether the shot leaves the topology of the lattice open. Over pictures it then branches where it can.
+    pub has_auto_topology: bool,
     /// Cuts and joins of its parts, for branching lattices.
     pub connectivity: Connectivity,
     /// Basis of the lattice.

@@ -229,10 +229,10 @@ lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 ";
 
 /// The lattice options of a drawing, whose parts are close to each other.
-const IMAGE_LATTICE: &str = "## One piece:
-## lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
+const IMAGE_LATTICE: &str = "## What is close together moves together:
+## lattice = { dims = [10, 10], topology = \"plain\" }
 ## Parts that are close to each other move apart; dims fit the thinnest of them.
-lattice = { dims = \"auto\", topology = \"branching\" }
+lattice = { dims = \"auto\" }
 
 ";
 

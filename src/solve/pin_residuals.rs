@@ -78,7 +78,7 @@ impl ResidualReason {
                      max_stretch allows, so both give way; move them apart, bring their targets nearer, or use more handles"
                 )
             }
-            Self::Fading => "it is fading out near the camera".into(),
+            Self::Fading => "its weight is below 1, or it is fading out near the camera".into(),
             Self::Soft => "pins are soft in these settings; use hard pins or a larger weight".into(),
             Self::Guard => "it gives way where the lattice would fold; move it less, move the pins near it along, or use more handles".into(),
             Self::Unconverged => "the solve ended before it reached its target; allow more iterations".into(),

@@ -5,6 +5,7 @@ use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_e
 use pinwarp::pipeline::{Event, PreparedShot, RenderOptions, render};
 use pinwarp::raster::ChannelGroup;
 use pinwarp::shot::Shot;
+use pinwarp::solve::Topology;
 use pinwarp::space::{FrameSize, PixelRect};
 use std::path::Path;
 use std::sync::Mutex;
@@ -406,17 +407,22 @@ fn the_order_of_pins_says_which_part_is_in_front() {
 }
 
 #[test]
-fn where_branches_cannot_be_carried_they_are_refused() {
+fn comparisons_are_plain_and_several_pictures_in_a_branching_layer_are_refused() {
     let wall = Wall::new();
     let prepared =
         PreparedShot::new(arm_shot(&wall, "branching", [0.1, 0.0], [0.0; 2])).expect("the pictures are there");
-    let told = pinwarp::pipeline::layer_problem(&prepared, 0, 1.0).expect_err("other methods know no branches");
-    let told = told.to_string();
-    assert!(told.contains("branches") && told.contains("topology = \"plain\""), "{told}");
+    let problem =
+        pinwarp::pipeline::layer_problem(&prepared, 0, 1.0).expect("a plain problem").expect("a solved layer");
+    assert_eq!(problem.problem().settings.topology, Topology::Plain, "other methods know no branches");
     wall.hang("two.exr", SIZE, drawn(SIZE, "", disc(70.0, 40.0, 9.0)));
     let both = "version = 1\nimage = [\"arm.exr\", \"two.exr\"]\n[[layer]]\nlattice.topology = \"branching\"";
     let told = wall.fault(wall.shot(both));
     assert!(told.contains("a layer of its own"), "{told}");
+    // Unless the shot asks for branches, several pictures get a plain lattice.
+    let open = wall.shot(&both.replace("lattice.topology = \"branching\"", ""));
+    assert_eq!(open.layers[0].settings.topology, Topology::Branching);
+    let prepared = PreparedShot::new(open).expect("two pictures in one layer");
+    assert_eq!(prepared.shot.layers[0].settings.topology, Topology::Plain);
 }
 
 /// An arm that touches the body along its whole length is one with it, until a stroke cuts them apart.
@@ -451,4 +457,19 @@ fn a_stroke_cuts_apart_what_touches() {
     let missed = "version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = { topology = \"branching\", cuts = [[[0.0, 0.99], [0.1, 0.99]]] }";
     let told = wall.fault(wall.shot(missed));
     assert!(told.contains("cuts nothing") && told.contains("cuts[0]"), "{told}");
+}
+
+#[test]
+fn pins_hold_the_border_of_a_picture_however_it_is_rounded() {
+    let wall = Wall::new();
+    wall.hang("full.exr", SIZE, drawn(SIZE, "", |_, _| 1.0));
+    let shot = |x: f64| {
+        wall.shot(&format!(
+            "version = 1\nimage = \"full.exr\"\n[[layer]]\n[[layer.pin]]\nanchor = {{ screen = [{x}, 0.5], frame = 1 }}"
+        ))
+    };
+    for x in [0.0, 1.5, 1.500_001, -1e-7] {
+        PreparedShot::new(shot(x)).unwrap_or_else(|error| panic!("{x}: {error}"));
+    }
+    assert!(wall.fault(shot(1.53)).contains("no surface"), "two pixels beyond");
 }

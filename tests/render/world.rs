@@ -267,3 +267,52 @@ fn meshes_too_coarse_for_their_lattice_are_reported() {
     assert!(coarse.iter().any(|note| note.contains("edges of 'Quad' are up to") && note.contains("subdivide")));
     assert!(!notes(sheet()).iter().any(|note| note.contains("edges of")));
 }
+
+/// Two boards side by side, one of which is pulled away from the other, with a gap of 3 % of their size.
+fn boards(topology: &str) -> Studio {
+    let board = |name: &'static str, left: f32| grid(name, [left, -0.5, left + 0.2, 0.5], 16);
+    let boards = Tiny::of(vec![board("Left", -0.215), board("Right", 0.015)]);
+    let pin = |node: &str, triangle: usize, offset: [f64; 3]| {
+        format!(
+            "[[layer.pin]]\nanchor = {{ node = '{node}', triangle = {triangle}, barycentric = [1.0, 0.0, 0.0] }}\n\
+             keys = [{{ frame = 1, offset = {offset:?} }}]\n"
+        )
+    };
+    // Three pins, so that the left board cannot turn about two.
+    let left = [8, 30, 488].map(|triangle| pin("Left", triangle, [0.0; 3])).concat();
+    let pins = left + &pin("Right", 488, [0.0; 3]);
+    let pulled = pin("Right", 8, [0.25, 0.0, 0.1]);
+    let radius = if topology == "plain" { "" } else { ", island_radius = 0.01" };
+    let lattice = format!("lattice = {{ space = 'world', dims = [10, 20, 4], topology = '{topology}'{radius} }}");
+    Studio::tiny(&boards, &format!("[[layer]]\n{lattice}\n{pins}{pulled}"))
+}
+
+#[test]
+fn parts_that_are_apart_in_the_scene_stay_apart() {
+    let moves = |topology: &str| {
+        let prepared = boards(topology).prepared();
+        let sample = prepared.sample_at(1.0).expect("solvable");
+        let (rest, _) = prepared.view(1.0);
+        let moves: Vec<f32> = rest
+            .parts
+            .iter()
+            .zip(&sample.pose.parts)
+            .map(|(rest, moved)| {
+                let moves = rest.positions.iter().zip(&moved.positions).map(|(rest, moved)| rest.0.distance(moved.0));
+                moves.fold(0.0, f32::max)
+            })
+            .collect();
+        let pin_errors = &solved(&sample).report.pin_errors;
+        assert!(pin_errors.iter().all(|error| *error < 1e-6), "{topology}: {pin_errors:?}");
+        (moves, solved(&sample).branches.is_some())
+    };
+    let (plain, _) = moves("plain");
+    let (branching, has_branches) = moves("branching");
+    println!("left and right board move by {plain:?} m, branching by {branching:?} m");
+    assert!(has_branches && branching[1] > 0.25, "the right board is pulled");
+    assert!(branching[0] < 0.002 && plain[0] > 0.05, "{branching:?} against {plain:?}");
+    let path = std::env::temp_dir().join("pinwarp-no-such-folder/boards.lattice.json");
+    let file = pinwarp::pipeline::lattices(&boards("branching").prepared(), &[1], |_| ()).expect("solvable");
+    let told = file.write(&path).expect_err("files do not hold branches in the scene").to_string();
+    assert!(told.contains("branches in the scene") && told.contains("--to gltf"), "{told}");
+}

@@ -3,6 +3,7 @@
 use super::{parse, replaced};
 use pinwarp::shot::template::{self, Subject, TemplateFacts};
 use pinwarp::shot::{BoxRule, LayerSpace, Shot, Source};
+use pinwarp::solve::Topology;
 use pinwarp::space::FrameSize;
 use std::path::PathBuf;
 
@@ -129,7 +130,12 @@ fn branching_lattices_need_a_shape_and_local_handles() {
         ("scene = 'a.glb'", "lattice = { space = 'world', dims = 'auto' }", "dims", "of the screen only"),
         ("image = 'a.png'", "lattice = { basis = 'bernstein', dims = 'auto' }", "dims", "bspline"),
         ("image = 'a.png'", "lattice = { dims = 'most' }", "dims", "auto"),
-        ("image = 'a.png'", "[[layer.pin]]\nanchor.screen = [0, 0]\norder = 1", "pin[0].order", "branching"),
+        (
+            "image = 'a.png'",
+            "lattice.topology = 'plain'\n[[layer.pin]]\nanchor.screen = [0, 0]\norder = 1",
+            "pin[0].order",
+            "branching",
+        ),
         (
             "scene = 'a.glb'",
             "lattice.topology = 'branching'\n[[layer.pin]]\nanchor.screen = [0, 0]\norder = 1",
@@ -143,11 +149,37 @@ fn branching_lattices_need_a_shape_and_local_handles() {
             "pin[0].order[1].frame",
             "does not come after",
         ),
-        ("image = 'a.png'", "lattice.cuts = [[[0, 0], [1, 1]]]", "cuts", "branching"),
+        ("image = 'a.png'", "lattice = { topology = 'plain', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),
+        ("image = 'a.png'", "lattice = { basis = 'bernstein', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),
         ("scene = 'a.glb'", "lattice = { topology = 'branching', cuts = [[[0, 0], [1, 1]]] }", "cuts[0]", "image"),
         ("image = 'a.png'", "lattice = { topology = 'branching', cuts = [[[0, 0]]] }", "cuts[0]", "at least 2 lists"),
     ] {
         let told = fault(from, layer).expect_err(layer);
         assert!(told.contains(key) && told.contains(says), "{layer}: {told}");
+    }
+}
+
+#[test]
+fn lattices_over_a_picture_branch_by_default_where_they_can() {
+    let topology = |from: &str, layer: &str| {
+        let text = format!(
+            "version = 1\n{from}\nsize = [96, 64]\nframes = {{ first = 1, last = 2 }}\noutput.path = 'o.####.exr'\n[[layer]]\n{layer}"
+        );
+        let shot = pinwarp::shot::Shot::parse(&text, std::path::Path::new("shot.toml")).expect("a right shot");
+        shot.layers[0].settings.topology
+    };
+    for (from, layer, wanted) in [
+        ("image = 'a.png'", "", Topology::Branching),
+        ("image = 'a.png'", "lattice.basis = 'bilinear'", Topology::Branching),
+        ("image = 'a.png'", "lattice.topology = 'plain'", Topology::Plain),
+        ("image = 'a.png'", "lattice.basis = 'bernstein'", Topology::Plain),
+        ("image = 'a.png'", "solve.preset = 'paper'", Topology::Plain),
+        ("scene = 'a.glb'", "", Topology::Plain),
+        ("scene = 'a.glb'", "lattice.space = 'world'", Topology::Plain),
+        ("scene = 'a.glb'", "lattice.topology = 'branching'", Topology::Branching),
+        ("scene = 'a.glb'", "lattice = { space = 'world', topology = 'branching' }", Topology::Branching),
+        ("plate = 'p.####.exr'", "", Topology::Plain),
+    ] {
+        assert_eq!(topology(from, layer), wanted, "{from} {layer}");
     }
 }

@@ -89,6 +89,7 @@ mod tests {
             track,
             placements: BTreeMap::new(),
             branches: BTreeMap::new(),
+            has_branches_in_scene: false,
             wholes: BTreeMap::new(),
         }];
         let lattices = &LatticeFile { frame_aspect: 2.0, rate: 24.0, layers };

@@ -3,11 +3,13 @@
 //! In: a pose and the solved layers. Out: the deformed pose. Tangents are transformed by the lattice's gradient,
 //! normals by its cofactor matrix (the inverse transpose up to a factor, which normalisation removes).
 
+use super::part_triangle_ranges::triangles_of;
 use crate::lattice::SceneLattice;
 use crate::pipeline::prepare::selection::SharedPart;
-use crate::pipeline::{LayerAssignment, LayerState};
+use crate::pipeline::{LayerAssignment, LayerState, WorldSolution};
 use crate::pose::{Pose, PosedPart};
-use crate::scene::Scene;
+use crate::raster::geometry::vertex_triangles;
+use crate::scene::{Primitive, Scene};
 use crate::screen::primitive;
 use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat3, DVec3, Vec3};
@@ -22,22 +24,67 @@ pub(in crate::pipeline) fn move_meshes(
     pose: &mut Pose,
     layers: &[LayerState],
 ) {
-    let lattice = |layer: usize| layers[layer].world.as_ref().map(|world| &world.lattice);
+    let lattices: Vec<Vec<SceneLattice>> = layers.iter().map(lattices_of).collect();
     for (index, part) in pose.parts.iter_mut().enumerate() {
+        let source = primitive(scene, part);
+        let of_layer = |layer: usize| {
+            let branch_of_vertex = branch_of_vertex(&layers[layer], (index, source), &part.positions);
+            (!lattices[layer].is_empty()).then(|| PartLattice { lattices: &lattices[layer], branch_of_vertex })
+        };
         match &assignment.shared_parts[index] {
             None => {
-                let Some(lattice) = assignment.layer_of_part[index].and_then(lattice) else { continue };
-                move_part(part, |_, point| lattice.warp_with_gradient(point));
+                let Some(lattice) = assignment.layer_of_part[index].and_then(of_layer) else { continue };
+                move_part(part, |vertex, point| lattice.warp_with_gradient(vertex, point));
             }
             Some(shared) => {
-                let lattices: Vec<_> = shared.layers.iter().map(|&layer| lattice(layer)).collect();
+                let lattices: Vec<_> = shared.layers.iter().map(|&layer| of_layer(layer)).collect();
                 if lattices.iter().any(Option::is_some) {
-                    let slopes = weight_slopes(shared, &primitive(scene, part).triangles, &part.positions);
+                    let slopes = weight_slopes(shared, &source.triangles, &part.positions);
                     let blend = Blend { shared, lattices, slopes };
                     move_part(part, |vertex, point| blend.warp(vertex, point));
                 }
             }
         }
+    }
+}
+
+/// Returns the lattices of a solved world layer: one per branch, or a single one; none for other layers.
+fn lattices_of(state: &LayerState) -> Vec<SceneLattice> {
+    let Some(WorldSolution { lattice, branches, .. }) = &state.world else { return Vec::new() };
+    match branches {
+        None => vec![lattice.clone()],
+        Some(branches) => {
+            let placed = |branch| SceneLattice { lattice: branches.lattice(branch), ..lattice.clone() };
+            (0..branches.branch_count()).map(placed).collect()
+        }
+    }
+}
+
+/// Returns the branch that each vertex of a part belongs to; empty if the layer does not branch.
+fn branch_of_vertex(state: &LayerState, (part, source): (usize, &Primitive), positions: &[ScenePoint]) -> Vec<usize> {
+    let Some(WorldSolution { lattice, branches: Some(branches), .. }) = &state.world else { return Vec::new() };
+    let branch = |(triangle, point): (&u32, &ScenePoint)| {
+        let point = lattice.frame.box_from_scene(point.0.as_dvec3()).to_array();
+        let own = triangles_of(&state.starts, part, *triangle as usize);
+        // The layer does not move vertices without a triangle in its shape.
+        own.map_or(0, |own| branches.branch_within(own, point))
+    };
+    vertex_triangles(source).iter().zip(positions).map(branch).collect()
+}
+
+/// How a layer moves the vertices of one part.
+struct PartLattice<'a> {
+    /// One per branch.
+    lattices: &'a [SceneLattice],
+    /// The branch of each vertex; empty if there is only one.
+    branch_of_vertex: Vec<usize>,
+}
+
+impl PartLattice<'_> {
+    /// Returns the image of a vertex at a point, and the gradient there.
+    fn warp_with_gradient(&self, vertex: usize, point: DVec3) -> (DVec3, DMat3) {
+        let branch = self.branch_of_vertex.get(vertex).copied().unwrap_or(0);
+        self.lattices[branch].warp_with_gradient(point)
     }
 }
 
@@ -74,7 +121,7 @@ fn turned(by: DMat3, direction: Vec3) -> Vec3 {
 struct Blend<'a> {
     shared: &'a SharedPart,
     /// One per layer of the part.
-    lattices: Vec<Option<&'a SceneLattice>>,
+    lattices: Vec<Option<PartLattice<'a>>>,
     /// Gradients of the weights: #vertices x #layers.
     slopes: Vec<DVec3>,
 }
@@ -86,8 +133,8 @@ impl Blend<'_> {
         let count = self.lattices.len();
         let weights = self.shared.at(vertex as u32).iter().zip(&self.slopes[vertex * count..]);
         for (lattice, (&weight, &slope)) in self.lattices.iter().zip(weights) {
-            let Some(lattice) = lattice.filter(|_| weight > 0.0 || slope != DVec3::ZERO) else { continue };
-            let (moved, own) = lattice.warp_with_gradient(point);
+            let Some(lattice) = lattice.as_ref().filter(|_| weight > 0.0 || slope != DVec3::ZERO) else { continue };
+            let (moved, own) = lattice.warp_with_gradient(vertex, point);
             if weight == 1.0 && slope == DVec3::ZERO {
                 return (moved, own);
             }

@@ -3,11 +3,10 @@
 //! In: a [`TimeSample`] and a layer. Out: a [`ScreenShape`]: triangles clipped at the near plane, with their stiffness
 //! and links, and the runs of lines beyond the near plane.
 
-use super::part_triangle_ranges::PartTriangleRanges;
+use super::part_triangle_ranges::{PartTriangleRanges, links_of_shape};
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::screen::{Corner, Projected, clip_near, primitive};
-use crate::solve::{Link, LinkEnd, LinkKind, Shape};
-use std::sync::Arc;
+use crate::solve::Shape;
 
 /// A layer's shape, and the origin of its triangles.
 pub(in crate::pipeline) struct ScreenShape {
@@ -55,7 +54,7 @@ pub(in crate::pipeline) fn screen_shape_with_starts(
         starts.push(shape.triangles.len() as u32);
         all.push(PartTriangleRanges { part, starts });
     }
-    shape.links = prepared.layer_inputs.links[index].as_ref().map(|links| links_now(links, &all));
+    shape.links = prepared.layer_inputs.links[index].as_ref().map(|links| links_of_shape(links, &all));
     ScreenShape { shape, starts: all }
 }
 
@@ -68,34 +67,6 @@ fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
         shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
         shape.triangles.push([first, first + 1, first + 2]);
     }
-}
-
-/// Converts links between triangles at rest to links between the clipped triangles. The two halves of a triangle that
-/// the near plane clips into two are linked to each other, and the triangle's links are attached to the centre of the
-/// first half.
-fn links_now(links: &Arc<Vec<Link>>, parts: &[PartTriangleRanges]) -> Arc<Vec<Link>> {
-    let runs: Vec<[u32; 2]> =
-        parts.iter().flat_map(|part| part.starts.windows(2).map(|pair| [pair[0], pair[1]])).collect();
-    if runs.iter().enumerate().all(|(number, &[start, end])| start as usize == number && end == start + 1) {
-        return Arc::clone(links);
-    }
-    let now = |end: &LinkEnd| {
-        let [start, next] = runs[end.triangle as usize];
-        match next - start {
-            0 => None,
-            1 => Some(LinkEnd { triangle: start, ..*end }),
-            _ => Some(LinkEnd { triangle: start, barycentric: [1.0 / 3.0; 3] }),
-        }
-    };
-    let kept = links.iter().filter_map(|link| {
-        let [from, to] = link.ends.each_ref().map(now);
-        Some(Link { ends: [from?, to?], kind: link.kind })
-    });
-    let halves = runs.iter().filter(|[start, end]| end - start > 1).map(|&[start, _]| {
-        let ends = [LinkEnd::corner(start as usize, 0), LinkEnd::corner(start as usize + 1, 1)];
-        Link { ends, kind: LinkKind::Edge }
-    });
-    Arc::new(kept.chain(halves).collect())
 }
 
 /// Adds the visible runs of a line to a shape, whose points hold the part's vertices from `base` on. A segment that

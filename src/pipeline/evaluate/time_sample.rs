@@ -10,7 +10,7 @@ use crate::plate::{Field, WholeWarp};
 use crate::pose::Pose;
 use crate::raster::geometry::{BranchWarp, PartWarp, WarpBlend};
 use crate::screen::{Camera, ScreenMesh, project};
-use crate::solve::{Solution, SolveReport};
+use crate::solve::{BranchedLattice, Solution, SolveReport};
 use crate::space::ScreenPoint;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -41,15 +41,17 @@ pub struct LayerState {
     pub world: Option<WorldSolution>,
     /// One per active pin.
     pub pins: Vec<PinState>,
-    /// Positions of the layer's parts in the shape of a branching lattice; empty for plain lattices.
+    /// Positions of the layer's parts in the shape of a branching lattice; empty for layers that cannot branch.
     pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
 }
 
 /// The solved lattice of a world layer.
 #[derive(Clone, Debug)]
 pub struct WorldSolution {
-    /// The lattice.
+    /// The lattice; that of its largest branch if it has several.
     pub lattice: SceneLattice,
+    /// The branches, in the frame of `lattice`; `None` if no handle has several copies.
+    pub branches: Option<BranchedLattice<3>>,
     /// The solver's report; pin errors in metres.
     pub report: SolveReport,
     /// One per active pin.

@@ -67,12 +67,12 @@ impl WorldLayer<'_> {
             return Ok(LayerState::default());
         }
         let presence = pins.iter().map(|pin| pin.state.presence).fold(0.0, f64::max);
-        let Solution { lattice, report, .. } = self.solution((frame, unsolved), &goal, presence)?;
+        let Solution { lattice, branches, report } = self.solution((frame, unsolved), &goal, presence)?;
         let in_scene = pins.iter().map(|pin| pin.in_scene).collect();
         let lattice = SceneLattice { frame: self.frame, lattice };
-        let world = Some(WorldSolution { lattice, report, pins: in_scene });
+        let world = Some(WorldSolution { lattice, branches, report, pins: in_scene });
         let pins = pins.into_iter().map(|pin| pin.state).collect();
-        Ok(LayerState { world, pins, ..LayerState::default() })
+        Ok(LayerState { world, pins, starts: self.starts.clone(), ..LayerState::default() })
     }
 
     /// Returns the solution from the layer's trajectory, or solved for this time alone. If no handle is moved, the

@@ -1,9 +1,11 @@
-//! Checks where branching lattices can be used, and where plain ones are required.
+//! Where lattices branch: the choice for layers that leave it open, and checks where plain lattices are required.
 //!
-//! In: a [`PreparedShot`]. Out: errors that name the layer and the remedy.
+//! In: a shot and its parts, a [`PreparedShot`]. Out: the topology of layers, errors that name the layer and the remedy.
 
+use crate::pipeline::prepare::layer_assignment::LayerAssignment;
+use crate::pipeline::prepare::transfer::Loaded;
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::shot::Source;
+use crate::shot::{Shot, Source};
 use crate::solve::Topology;
 
 /// Refuses layers with branching lattices where only plain ones are supported; `what`: the operation requested.
@@ -17,6 +19,21 @@ pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), Pip
             hint: "set topology = \"plain\" in its `lattice`, or render the pictures".into(),
         }),
         None => Ok(()),
+    }
+}
+
+/// Makes layers plain whose shot leaves the topology open and that cannot or should not branch: those whose basis or solver does
+/// not support it, those with several pictures, which would count as islands, and those whose lattices come from a file without
+/// branches.
+pub(in crate::pipeline) fn choose(shot: &mut Shot, assignment: &LayerAssignment, loaded: &[Option<Loaded>]) {
+    let is_picture = matches!(shot.source, Source::Images(_));
+    for ((layer, parts), loaded) in shot.layers.iter_mut().zip(&assignment.parts_of_layer).zip(loaded) {
+        let has_several_pictures = is_picture && parts.len() > 1;
+        let is_loaded_plain = loaded.as_ref().is_some_and(|loaded| !loaded.has_branches());
+        let can_branch = layer.basis.can_branch() && layer.settings.branching_fault().is_none();
+        if layer.has_auto_topology && (!can_branch || has_several_pictures || is_loaded_plain) {
+            layer.settings.topology = Topology::Plain;
+        }
     }
 }
 

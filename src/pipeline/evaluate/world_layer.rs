@@ -4,6 +4,8 @@
 
 use super::lattice_box::world_grid;
 use super::layer_pins::{faded_weight, moved_handles, region};
+use super::part_triangle_ranges::{PartTriangleRanges, held_triangle, links_of_shape};
+use super::screen_layer::is_branching;
 use crate::lattice::{BoxFrame, Grid};
 use crate::pipeline::prepare::anchors::presence;
 use crate::pipeline::{PinAnchor, PinState, PreparedShot, ScenePin};
@@ -22,6 +24,8 @@ pub(in crate::pipeline) struct WorldLayer<'a> {
     pub(in crate::pipeline) index: usize,
     pub(in crate::pipeline) frame: BoxFrame,
     pub(in crate::pipeline) grid: Grid<3>,
+    /// Positions of the parts in the shape, if the lattice may branch.
+    pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
 }
 
 /// A pin as seen by the solver and by the user.
@@ -42,7 +46,8 @@ impl<'a> WorldLayer<'a> {
         let layer = &prepared.shot.layers[index];
         let is_still = layer.pins.is_empty() && layer.handles.is_empty();
         let (frame, grid) = world_grid(prepared, index, time, pose).filter(|_| !is_still)?;
-        Some(Self { prepared, pose, camera, index, frame, grid })
+        let starts = if is_branching(layer) { part_starts(prepared, index, pose) } else { Vec::new() };
+        Some(Self { prepared, pose, camera, index, frame, grid, starts })
     }
 
     /// Returns the layer's active pins at a time, and the targets of pins and handles.
@@ -61,9 +66,11 @@ impl<'a> WorldLayer<'a> {
             return None;
         }
         let layer = &self.prepared.shot.layers[self.index];
-        let points = points.iter().filter_map(|point| point.in_scene(self.pose));
-        let place = |point| ModelPoint { at: self.frame.box_from_scene(point).to_array(), triangle: None };
-        let points = points.map(place).collect();
+        let place = |anchor: &PinAnchor| {
+            let at = self.frame.box_from_scene(anchor.in_scene(self.pose)?).to_array();
+            Some(ModelPoint { at, triangle: held_triangle(anchor, &self.starts) })
+        };
+        let points = points.iter().filter_map(place).collect();
         let drawing = self.prepared.shot.drawing(self.index, self.prepared.key_frame(layer, time));
         Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing })
     }
@@ -86,16 +93,19 @@ impl<'a> WorldLayer<'a> {
             let lines = source.lines.iter().map(|line| line.iter().map(|vertex| vertex + base).collect());
             shape.strokes.extend(lines);
         }
+        let links = self.prepared.layer_inputs.links[self.index].as_ref();
+        shape.links = links.map(|links| links_of_shape(links, &self.starts));
         shape
     }
 
     /// Returns the active pins.
     fn pins(&self, targets: &PinTargets) -> Vec<WorldPin> {
         let anchors = self.prepared.anchors_of(self.index).iter().zip(&targets.pins).enumerate();
-        anchors.filter_map(|(pin, (pinned, target))| self.pin(pin, pinned.in_scene(self.pose)?, target)).collect()
+        anchors.filter_map(|(pin, (anchor, target))| self.pin((pin, anchor), target)).collect()
     }
 
-    fn pin(&self, pin: usize, rest: DVec3, target: &PinTarget) -> Option<WorldPin> {
+    fn pin(&self, (pin, anchor): (usize, &PinAnchor), target: &PinTarget) -> Option<WorldPin> {
+        let rest = anchor.in_scene(self.pose)?;
         let seen = self.camera.project_exact(rest);
         // A target on the screen is undefined for a point that is not in front of the camera. Offsets need no fading:
         // the nearer the point, the smaller they are in metres.
@@ -113,7 +123,8 @@ impl<'a> WorldLayer<'a> {
         let [at, to] = [rest, goal].map(|place| self.frame.box_from_scene(place).to_array());
         let region = region(&layer.pins[pin], self.grid.diagonal());
         let (weight, gradient) = (faded_weight(presence * layer.pins[pin].weight), self.gradient(pin, target));
-        let point = PointPin { weight, gradient, region, ..PointPin::new(at, to) };
+        let triangle = held_triangle(anchor, &self.starts);
+        let point = PointPin { weight, gradient, region, triangle, ..PointPin::new(at, to) };
         let [from, towards] =
             [seen, reached].map(|place| if is_in_view { place.point() } else { ScreenPoint::default() });
         let state = PinState { pin, rest: from, target: towards, presence, is_in_view };
@@ -178,4 +189,20 @@ impl<'a> WorldLayer<'a> {
         };
         Some((rotation * target.log_scale.unwrap_or(0.0).exp()).to_cols_array_2d())
     }
+}
+
+/// Returns the positions of a layer's parts in its shape.
+fn part_starts(prepared: &PreparedShot, index: usize, pose: &Pose) -> Vec<PartTriangleRanges> {
+    let mut count = 0;
+    let of_part = |&part: &usize| {
+        let stiffness = prepared.stiffness_of(index, part);
+        let triangles = primitive(&prepared.scene, &pose.parts[part]).triangles.iter();
+        let mut starts = vec![count];
+        for corners in triangles {
+            count += u32::from(stiffness.meets(corners));
+            starts.push(count);
+        }
+        PartTriangleRanges { part, starts }
+    };
+    prepared.assignment.parts_of_layer[index].iter().map(of_part).collect()
 }

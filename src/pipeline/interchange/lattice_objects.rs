@@ -9,7 +9,6 @@ use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::pose::Pose;
 use crate::screen::{Camera, Projected, primitive};
 use crate::shot::LayerSpace;
-use crate::solve::Topology;
 use crate::space::ScreenVector;
 use glam::{DMat4, DVec3};
 
@@ -51,13 +50,13 @@ impl PreparedShot {
                 "it shares a mesh with another layer or with what rests, and moves its vertices by weights".into(),
             ));
         }
-        if self.shot.layers[index].settings.topology == Topology::Branching {
-            return Ok(Err("its lattice branches, and lattice objects do not".into()));
-        }
         let mut poses = Poses::new();
         let mut built = None;
         for &frame in frames {
             let sample = self.sample_at(f64::from(frame))?;
+            if branches(&sample.layers[index]) {
+                return Ok(Err("its lattice branches, and lattice objects do not".into()));
+            }
             let Some((basis, dims)) = built_of(&sample.layers[index]) else {
                 poses.push((frame, None));
                 continue;
@@ -127,6 +126,12 @@ impl PreparedShot {
         };
         self.assignment.parts_of_layer[index].iter().flat_map(of_part).collect()
     }
+}
+
+/// Whether a layer's lattice has several branches.
+fn branches(state: &LayerState) -> bool {
+    let on_screen = state.solution.as_ref().is_some_and(|solution| solution.branches.is_some());
+    on_screen || state.world.as_ref().is_some_and(|world| world.branches.is_some())
 }
 
 /// Returns the basis and the number of handles along each axis of a layer's lattice; `None` if the layer is not warped.

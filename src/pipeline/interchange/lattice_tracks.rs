@@ -15,6 +15,7 @@ struct Solved {
     world: BTreeMap<i32, Lattice<3>>,
     placements: BTreeMap<i32, BoxFrame>,
     branches: BTreeMap<i32, LatticeBranches>,
+    has_branches_in_scene: bool,
     wholes: BTreeMap<i32, WholeWarp>,
 }
 
@@ -23,6 +24,7 @@ impl Solved {
         self.branches.extend(branches.map(|branches| (frame, branches)));
         self.screen.extend(state.solution.as_ref().map(|solution| (frame, solution.lattice.clone())));
         self.wholes.extend(state.whole.as_ref().map(|whole| (frame, whole.clone())));
+        self.has_branches_in_scene |= state.world.as_ref().is_some_and(|world| world.branches.is_some());
         let world = state.world.as_ref().map(|world| &world.lattice);
         self.world.extend(world.map(|placed| (frame, placed.lattice.clone())));
         self.placements.extend(world.map(|placed| (frame, placed.frame)));
@@ -30,13 +32,13 @@ impl Solved {
 
     /// Returns `None` if the layer is never warped.
     fn track(self, name: &str) -> Option<LatticeTrack> {
-        let Self { screen, world, placements, branches, wholes } = self;
+        let Self { screen, world, placements, branches, has_branches_in_scene, wholes } = self;
         let track = match (screen.is_empty(), world.is_empty()) {
             (true, true) => return None,
             (_, true) => Track::Screen(screen),
             (_, false) => Track::World(world),
         };
-        Some(LatticeTrack { name: name.to_owned(), track, placements, branches, wholes })
+        Some(LatticeTrack { name: name.to_owned(), track, placements, branches, has_branches_in_scene, wholes })
     }
 }
 

@@ -5,9 +5,8 @@
 use crate::lattice::Grid;
 use crate::pipeline::evaluate::layer_pins::moved_handles;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
-use crate::pipeline::evaluate::topology::check_plain;
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape, Upright};
+use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape, Topology, Upright};
 
 /// The inputs of a layer's solve.
 #[derive(Clone, Debug)]
@@ -29,13 +28,12 @@ impl LayerProblem {
 }
 
 /// Returns a layer's shape, pins and moved handles on the screen at a frame, rotated back if the box is rotated; `None` if
-/// nothing is solved there or the layer is a world layer. Only points and targets of the pins are included, because no
-/// other method supports rotations.
+/// nothing is solved there or the layer is a world layer. Only points and targets of the pins are included, and the
+/// lattice is plain, because no other method supports rotations or branches.
 ///
 /// # Errors
-/// [`PipelineError::Solve`] if a layer cannot be solved; [`PipelineError::Unusable`] if a lattice branches.
+/// [`PipelineError::Solve`] if a layer cannot be solved.
 pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Result<Option<LayerProblem>, PipelineError> {
-    check_plain(prepared, "a comparison of methods")?;
     let sample = prepared.evaluate(frame)?;
     let (Some(layer), Some(state)) = (prepared.shot.layers.get(index), sample.layers.get(index)) else {
         return Ok(None);
@@ -50,7 +48,7 @@ pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Resul
     let pins = upright.pins(&pins).into_owned();
     let handles = moved_handles(layer, &grid, &targets);
     let is_empty = pins.is_empty() && handles.is_empty();
-    let shape = upright.shape(&screen_shape(prepared, &sample, index)).into_owned();
-    let settings = layer.settings.clone();
+    let shape = Shape { links: None, ..upright.shape(&screen_shape(prepared, &sample, index)).into_owned() };
+    let settings = Settings { topology: Topology::Plain, ..layer.settings.clone() };
     Ok((!is_empty).then_some(LayerProblem { grid, shape, pins, handles, settings }))
 }

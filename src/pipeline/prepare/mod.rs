@@ -25,16 +25,17 @@ pub(super) mod transferred_branches;
 pub(super) mod visibility;
 
 use crate::pipeline::evaluate::frame_cache::FrameCache;
-use crate::pipeline::evaluate::topology::check_branching;
+use crate::pipeline::evaluate::topology::{self, check_branching};
 use crate::pipeline::pictures::Gallery;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::pose::{ClipChoice, Pose, PosedPart, pose};
 use crate::scene::{self, FileAccess, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
 use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source};
-use crate::space::ScreenPoint;
+use crate::space::{FrameSize, ScreenPoint};
 use crate::spelling;
 use cameras::{CameraContext, CameraSource};
+use glam::DVec2;
 use layer_assignment::LayerAssignment;
 use mattes::Mattes;
 use mesh_resolution::coarse_meshes;
@@ -85,6 +86,7 @@ impl PreparedShot {
         }
         box_frames::check(&shot, &scene)?;
         let loaded = transfer::load(&shot, &mut notes)?;
+        topology::choose(&mut shot, &assignment, &loaded);
         let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
         let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
         let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
@@ -148,7 +150,8 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
                         let mesh = screen::project(&pose, &camera);
                         (pose, mesh, camera)
                     });
-                    let hit = screen::pick(&prepared.scene, pose, mesh, camera.near(), at).ok_or_else(|| {
+                    let pick = |at| screen::pick(&prepared.scene, pose, mesh, camera.near(), at);
+                    let hit = pick(at).or_else(|| pick(inside_border(at, prepared.shot.size)?)).ok_or_else(|| {
                         let what = format!("there is no surface at {}, {} in frame {frame}", at.0.x, at.0.y);
                         anchors::mismatch(
                             &prepared.shot,
@@ -173,6 +176,15 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
     let notes = notes_on_pins(prepared, first);
     prepared.notes.extend(notes);
     Ok(())
+}
+
+/// Moves a point within half a pixel of the frame's border just inside it: rounding may have put it beyond the edge of a picture.
+/// `None` for other points.
+fn inside_border(point: ScreenPoint, size: FrameSize) -> Option<ScreenPoint> {
+    let pixel = 1.0 / f64::from(size.height);
+    let inside = point.0.clamp(DVec2::splat(0.01 * pixel), DVec2::new(size.aspect(), 1.0) - 0.01 * pixel);
+    let is_near = inside != point.0 && (inside - point.0).abs().max_element() <= 0.5 * pixel;
+    is_near.then_some(ScreenPoint(inside))
 }
 
 /// Returns notes on pins that are attached to points that their layers do not move, or not fully.

@@ -87,6 +87,11 @@ fn load_one(shot: &Shot, index: usize, transfer: &Transfer, notes: &mut Vec<Stri
 }
 
 impl Loaded {
+    /// Whether the lattices branch.
+    pub(in crate::pipeline) const fn has_branches(&self) -> bool {
+        self.has_branches
+    }
+
     /// Returns the state of the layer at a (fractional) frame of its keys. `rest_box` computes the box over which the
     /// lattice is laid and `shape` the shape that it moves; both are called only if needed.
     pub(in crate::pipeline) fn state(

@@ -104,9 +104,12 @@ impl OpenShot {
             next.camera = CameraRule::Own(camera.clone());
         }
         for (layer, known) in next.layers.iter_mut().zip(&prepared.shot.layers) {
-            // Automatic dims were chosen when the shot was prepared.
+            // Automatic dims and topologies were chosen when the shot was prepared.
             if layer.has_auto_dims {
                 layer.space = known.space;
+            }
+            if layer.has_auto_topology {
+                layer.settings.topology = known.settings.topology;
             }
         }
         let is_same = |index: usize| self.given.layers.get(index) == shot.layers.get(index);

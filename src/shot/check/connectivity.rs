@@ -9,11 +9,16 @@ use crate::shot::{Connectivity, Cut};
 use crate::solve::Topology;
 
 impl Check<'_> {
-    pub(super) fn connectivity(&mut self, raw: &RawLattice, layer: &str, shot: &LayerDefaults) -> Connectivity {
+    pub(super) fn connectivity(
+        &mut self,
+        raw: &RawLattice,
+        topology: Topology,
+        (layer, shot): (&str, &LayerDefaults),
+    ) -> Connectivity {
         let key = format!("{layer}.lattice");
         for name in ["cuts", "joins", "island_radius"] {
             let key = format!("{key}.{name}");
-            if raw.topology == Topology::Plain && self.document.has(&key) {
+            if topology == Topology::Plain && self.document.has(&key) {
                 self.fault(&key, "it acts on branching lattices only", "add topology = \"branching\" to `lattice`");
             }
         }

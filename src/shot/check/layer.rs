@@ -35,13 +35,15 @@ impl Check<'_> {
         let space = self.lattice(&raw, &format!("{key}.lattice"), shot);
         self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
-        let settings = self.branching(&raw, &key, shot);
+        let settings = self.settings(&raw.solve, &format!("{key}.solve"));
+        let topology = self.topology(&raw, (&settings, shot), &key);
+        let settings = Settings { topology, ..settings };
         let (nodes, is_rest) = nodes(raw.nodes);
         let selection = Selection { is_rest, ..self.selection(&raw.select, &key, shot) };
         let handles = self.handles(raw.handle, &key, space.dims(), shot);
         let pins = self.pins(raw.pin, &key, shot);
         if let Some(pin) = pins.iter().position(|pin| !pin.order.is_empty())
-            && settings.topology == Topology::Plain
+            && topology == Topology::Plain
             && shot.source == Kind::Images
         {
             let hint = "add topology = \"branching\" to `lattice`";
@@ -60,7 +62,8 @@ impl Check<'_> {
             space,
             orientation: self.orientation(&raw.lattice, &key, shot),
             has_auto_dims: self.has_auto_dims(&raw.lattice, !handles.is_empty(), &key),
-            connectivity: self.connectivity(&raw.lattice, &key, shot),
+            has_auto_topology: raw.lattice.topology.is_none(),
+            connectivity: self.connectivity(&raw.lattice, topology, (&key, shot)),
             basis: raw.lattice.basis,
             settings,
             step: raw.step.unwrap_or(shot.step),
@@ -213,18 +216,12 @@ impl Check<'_> {
         WorldBoxRule::Fixed([lo, hi])
     }
 
-    /// Returns the settings of a layer, with the topology of its lattice.
-    fn branching(&mut self, raw: &RawLayer, key: &str, shot: &LayerDefaults) -> Settings {
-        let settings =
-            Settings { topology: raw.lattice.topology, ..self.settings(&raw.solve, &format!("{key}.solve")) };
-        if settings.topology == Topology::Plain {
-            return settings;
-        }
+    /// Returns the topology of a layer's lattice. Unless the shot says otherwise, lattices over pictures branch where they can.
+    fn topology(&mut self, raw: &RawLayer, (settings, shot): (&Settings, &LayerDefaults), key: &str) -> Topology {
         let faults = [
             (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
-            (raw.lattice.space != RawSpace::Screen, "lies on the screen", "take `space` out"),
             (
-                !matches!(raw.lattice.basis.support(), Support::Tensor { .. }),
+                !raw.lattice.basis.can_branch(),
                 "needs a basis with local support and no diagonals",
                 "use basis = \"bspline\" or \"bilinear\"",
             ),
@@ -232,11 +229,17 @@ impl Check<'_> {
         let faults =
             faults.into_iter().filter(|(is_fault, ..)| *is_fault).map(|(_, what, hint)| (what.to_owned(), hint));
         let of_solver = settings.branching_fault().map(|[what, hint]| (format!("cannot have {what}"), hint));
-        for (what, hint) in faults.chain(of_solver) {
-            let hint = format!("{hint}, or set topology = \"plain\"");
-            self.fault(&format!("{key}.lattice.topology"), format!("a branching lattice {what}"), hint);
+        let mut faults = faults.chain(of_solver).peekable();
+        let branches = shot.source == Kind::Images && faults.peek().is_none();
+        let default = if branches { Topology::Branching } else { Topology::Plain };
+        let topology = raw.lattice.topology.unwrap_or(default);
+        if topology == Topology::Branching {
+            for (what, hint) in faults {
+                let hint = format!("{hint}, or set topology = \"plain\"");
+                self.fault(&format!("{key}.lattice.topology"), format!("a branching lattice {what}"), hint);
+            }
         }
-        settings
+        topology
     }
 
     fn settings(&mut self, raw: &RawSolve, key: &str) -> Settings {

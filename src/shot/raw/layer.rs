@@ -150,8 +150,10 @@ pub(in crate::shot) struct RawLattice {
     pub(in crate::shot) dims: Option<RawDims>,
     /// Basis functions that blend the handles.
     pub(in crate::shot) basis: Basis,
-    /// Which parts of a drawing or model share handles.
-    pub(in crate::shot) topology: Topology,
+    /// Which parts of a drawing or model share handles. Default: "branching" for a picture where the layer's solve allows
+    /// it, else "plain".
+    #[schemars(example = &"plain")]
+    pub(in crate::shot) topology: Option<Topology>,
     /// For branching lattices: what separates parts that touch. Strokes across a picture (points in frame heights), or parts of a
     /// scene.
     #[schemars(example = serde_json::json!([[[0.62, 0.40], [0.62, 0.71]]]), example = serde_json::json!([{ "joints": ["LeftArm*"] }]))]
@@ -483,7 +485,7 @@ impl Default for RawLattice {
             space: RawSpace::Screen,
             dims: None,
             basis: Basis::default(),
-            topology: Topology::default(),
+            topology: None,
             cuts: Vec::new(),
             joins: Vec::new(),
             island_radius: None,
