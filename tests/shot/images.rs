@@ -102,16 +102,17 @@ fn the_template_of_a_picture_is_a_working_shot() {
     assert!(!text.contains("world") && !text.contains("camera"), "{text}");
 }
 
+/// A shot of this source with one layer.
+fn shot_with(source: &str, layer: &str) -> Result<Shot, String> {
+    let text = format!(
+        "version = 1\n{source}\nsize = [96, 64]\nframes = {{ first = 1, last = 2 }}\noutput.path = 'o.####.exr'\n[[layer]]\n{layer}"
+    );
+    Shot::parse(&text, std::path::Path::new("shot.toml")).map_err(|error| error.to_string())
+}
+
 #[test]
 fn branching_lattices_need_a_shape_and_local_handles() {
-    let fault = |from: &str, layer: &str| {
-        let text = format!(
-            "version = 1\n{from}\nsize = [96, 64]\nframes = {{ first = 1, last = 2 }}\noutput.path = 'o.####.exr'\n[[layer]]\n{layer}"
-        );
-        pinwarp::shot::Shot::parse(&text, std::path::Path::new("shot.toml"))
-            .map(drop)
-            .map_err(|error| error.to_string())
-    };
+    let fault = |from: &str, layer: &str| shot_with(from, layer).map(drop);
     let branching = "lattice.topology = 'branching'";
     assert_eq!(fault("image = 'a.png'", branching), Ok(()));
     assert_eq!(fault("scene = 'a.glb'", branching), Ok(()));
@@ -161,13 +162,7 @@ fn branching_lattices_need_a_shape_and_local_handles() {
 
 #[test]
 fn lattices_over_a_picture_branch_by_default_where_they_can() {
-    let topology = |from: &str, layer: &str| {
-        let text = format!(
-            "version = 1\n{from}\nsize = [96, 64]\nframes = {{ first = 1, last = 2 }}\noutput.path = 'o.####.exr'\n[[layer]]\n{layer}"
-        );
-        let shot = pinwarp::shot::Shot::parse(&text, std::path::Path::new("shot.toml")).expect("a right shot");
-        shot.layers[0].settings.topology
-    };
+    let topology = |from: &str, layer: &str| shot_with(from, layer).expect("a right shot").layers[0].settings.topology;
     for (from, layer, wanted) in [
         ("image = 'a.png'", "", Topology::Branching),
         ("image = 'a.png'", "lattice.basis = 'bilinear'", Topology::Branching),

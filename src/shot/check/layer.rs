@@ -4,7 +4,7 @@
 
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
-use crate::lattice::{MAX_HANDLES_IN_ALL, Support};
+use crate::lattice::MAX_HANDLES_IN_ALL;
 use crate::shot::raw::{
     RawAuto, RawAxis, RawBox, RawDims, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace,
 };
@@ -98,7 +98,7 @@ impl Check<'_> {
         let faults = [
             (raw.space == RawSpace::World, "chooses handles of the screen only"),
             (has_handles, "cannot be used where handles are moved one by one"),
-            (!matches!(raw.basis.support(), Support::Tensor { .. }), "needs basis = \"bspline\" or \"bilinear\""),
+            (!raw.basis.can_branch(), "needs basis = \"bspline\" or \"bilinear\""),
         ];
         for (_, what) in faults.iter().filter(|(is_fault, _)| is_auto && *is_fault) {
             self.fault(&format!("{key}.lattice.dims"), format!("dims = \"auto\" {what}"), "give numbers");

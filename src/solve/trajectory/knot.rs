@@ -179,16 +179,16 @@ impl<const D: usize> Knot<D> {
 
     /// The state of another time, expressed by the unknowns of this one.
     fn transferred(&self, state: &Displacement<D>) -> Displacement<D> {
-        let Displacement { copies, box_angle, .. } = &self.displacement;
-        let (copies, box_angle, count) = (copies.clone(), *box_angle, self.rigid.handles.len());
+        let &Displacement { ref copies, box_angle, .. } = &self.displacement;
         let has_handles = state.has_handles_of(box_angle);
-        if copies == state.copies && has_handles {
+        if *copies == state.copies && has_handles {
             return Displacement { box_angle, ..state.clone() };
         }
-        let known = if has_handles { state.handles_by_name(&copies, count) } else { vec![None; count] };
+        let count = self.rigid.handles.len();
+        let known = if has_handles { state.handles_by_name(copies, count) } else { vec![None; count] };
         let handles = self.system.interpolated(&known, &state.points, &Cancel::never());
         let handles = handles.unwrap_or_else(|| known.iter().map(|known| known.unwrap_or([0.0; D])).collect());
-        Displacement { handles, copies, points: state.points.clone(), box_angle }
+        Displacement { handles, copies: copies.clone(), points: state.points.clone(), box_angle }
     }
 
     /// Solves this time without a proximal term, like a single frame.
