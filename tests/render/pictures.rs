@@ -304,7 +304,17 @@ fn body_and_arm(x: f32, y: f32) -> f32 {
 
 /// A shot of [`body_and_arm`] whose three pins on the body rest; the fourth, at the end of the arm, moves.
 fn arm_shot(wall: &Wall, topology: &str, offset: [f64; 2], all: [f64; 2]) -> Shot {
-    wall.hang("arm.exr", SIZE, drawn(SIZE, "", body_and_arm));
+    drawn_arm_shot(wall, body_and_arm, topology, (offset, all))
+}
+
+/// The same of another drawing.
+fn drawn_arm_shot(
+    wall: &Wall,
+    drawing: fn(f32, f32) -> f32,
+    topology: &str,
+    (offset, all): ([f64; 2], [f64; 2]),
+) -> Shot {
+    wall.hang("arm.exr", SIZE, drawn(SIZE, "", drawing));
     let pins: Vec<String> = [(18.0, 10.0, all), (38.0, 40.0, all), (28.0, 55.0, all), (55.0, 46.0, offset)]
         .into_iter()
         .map(|(x, y, [dx, dy])| {
@@ -349,6 +359,23 @@ fn branches_leave_no_seams() {
             assert!((found - 1.0).abs() < 0.01, "{x}, {y}: {found}");
         }
     }
+}
+
+/// Parts overlap along their seams by a rim. Soft pixels of the rim are drawn once.
+#[test]
+fn branches_keep_soft_edges() {
+    let soft = |x: f32, y: f32| {
+        let steps = [-1.5, -0.5, 0.5, 1.5];
+        steps.iter().flat_map(|dx| steps.map(|dy| body_and_arm(x + dx, y + dy) / 16.0)).sum()
+    };
+    let wall = Wall::new();
+    let by = [8.0 / 64.0, 0.0];
+    let (frame, _) = wall.render(drawn_arm_shot(&wall, soft, "branching", (by, by)));
+    let pixels = (0..64).flat_map(|y| (8..90).map(move |x| (x, y)));
+    let difference = |(x, y): (i32, i32)| (at(&frame, "A", x, y) - soft(x as f32 - 7.5, y as f32 + 0.5)).abs();
+    let greatest = pixels.map(difference).fold(0.0, f32::max);
+    println!("greatest difference of coverage {greatest:.4}");
+    assert!(greatest < 0.005, "{greatest}");
 }
 
 /// An arm that is laid over the body, or behind it, as its pin's order says.

@@ -1,8 +1,9 @@
 //! Draws a picture under a branching lattice: each part is cut out, warped by its own lattice, and composited over those behind.
 //!
-//! In: a [`FlatPicture`], a solved [`BranchedLattice`] and its [`OrderedParts`]. Out: the warped parts, from back to front.
+//! In: a [`FlatPicture`], a solved [`BranchedLattice`] and its [`OrderedParts`]. Out: the warped picture.
 
-use super::read::{FlatPicture, pictured};
+use super::composite_parts::{PART_CHANNELS, composite_parts};
+use super::read::{FlatPicture, plate_of};
 use crate::image::{Frame, Plate};
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::part_order::OrderedParts;
@@ -12,8 +13,8 @@ use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 /// Label of pixels without a part.
 const NONE: u32 = u32::MAX;
 
-/// Number of pixels by which a part extends under the parts in front of it, so that filtered edges leave no visible seam.
-const OVERLAP: usize = 3;
+/// Width in pixels of the rim by which a part extends under connected parts in front, so that filtered edges leave no visible seam.
+const RIM_WIDTH: usize = 3;
 
 /// Distance in pixels between the images of a pixel under two lattices above which the two parts are not connected there.
 const SAME_PLACE: f64 = 0.5;
@@ -90,11 +91,11 @@ impl PartMap {
         self.frame.image_from_screen(lattice.warp(self.frame.screen_from_image(at))).0.to_array()
     }
 
-    /// Returns the pixels of a part, and those of connected parts in front of it up to [`OVERLAP`] pixels away.
+    /// Returns the pixels of a part and its rim: those of connected parts in front of it up to [`RIM_WIDTH`] pixels away.
     fn mask(&self, part: usize, lattices: &[&ScreenLattice]) -> Vec<bool> {
         let mut mask: Vec<bool> = self.labels.iter().map(|&label| label == part as u32).collect();
         let mut ring: Vec<usize> = (0..mask.len()).filter(|&pixel| mask[pixel]).collect();
-        for _ in 0..OVERLAP {
+        for _ in 0..RIM_WIDTH {
             let mut next = Vec::new();
             for neighbour in ring.iter().flat_map(|&pixel| self.neighbours(pixel)).flatten() {
                 let label = self.labels[neighbour];
@@ -131,27 +132,27 @@ fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
     }
 }
 
-/// Returns the parts of a picture from back to front, each warped by `warp`, and the warnings of those warps.
+/// Returns a picture whose parts are warped by `warp`, and the warnings of those warps.
 pub(super) fn warped_branches(
     flat_picture: &FlatPicture,
     (map, branches, parts): (&PartMap, &BranchedLattice<2>, &OrderedParts),
     warp: impl Fn(&Plate, ScreenLattice) -> (Frame, Vec<String>),
-) -> (Vec<Frame>, Vec<String>) {
+) -> (Frame, Vec<String>) {
     let of_branches: Vec<ScreenLattice> = (0..branches.branch_count()).map(|k| branches.extended_lattice(k)).collect();
     let lattices: Vec<&ScreenLattice> = parts.list.iter().map(|part| &of_branches[part.branch]).collect();
     let (mut pictures, mut warnings) = (Vec::new(), Vec::new());
     for part in 0..lattices.len() {
         let mask = map.mask(part, &lattices);
-        let Some(plate) = cut_out(flat_picture, map, &mask) else { continue };
+        let Some(plate) = cut_out(flat_picture, map, (part, &mask)) else { continue };
         let (picture, told) = warp(&plate, lattices[part].clone());
         pictures.push(picture);
         warnings.extend(told);
     }
-    (pictures, warnings)
+    (composite_parts(map.frame, &pictures), warnings)
 }
 
-/// Cuts out the pixels of a mask, in their bounding window; `None` if there are none.
-fn cut_out(flat_picture: &FlatPicture, map: &PartMap, mask: &[bool]) -> Option<Plate> {
+/// Cuts out the pixels of a part's mask, in their bounding window, with [`PART_CHANNELS`]; `None` if there are none.
+fn cut_out(flat_picture: &FlatPicture, map: &PartMap, (part, mask): (usize, &[bool])) -> Option<Plate> {
     let width = map.window.width as usize;
     let rows: Vec<usize> =
         (0..map.window.height as usize).filter(|row| mask[row * width..][..width].contains(&true)).collect();
@@ -164,9 +165,14 @@ fn cut_out(flat_picture: &FlatPicture, map: &PartMap, mask: &[bool]) -> Option<P
         width: (right - left + 1) as u32,
         height: (bottom - top + 1) as u32,
     };
-    let planes = flat_picture.planes().map(|samples| {
-        let rows = (top..=bottom).map(|row| row * width + left..=row * width + right);
-        rows.flat_map(move |row| row.map(move |pixel| if mask[pixel] { samples[pixel] } else { 0.0 })).collect()
-    });
-    Some(pictured(map.frame, window, planes))
+    let pixels = || (top..=bottom).flat_map(move |row| row * width + left..=row * width + right);
+    let cut =
+        |sample: &dyn Fn(usize) -> f32| pixels().map(|pixel| if mask[pixel] { sample(pixel) } else { 0.0 }).collect();
+    let alpha = flat_picture.alpha();
+    let is_own = |pixel: usize| map.labels[pixel] == part as u32;
+    let region = |pixel: usize| if is_own(pixel) && alpha[pixel] != 0.0 { 1.0 } else { 0.0 };
+    let rim = |pixel: usize| if is_own(pixel) { 0.0 } else { alpha[pixel] };
+    let colors = flat_picture.planes().map(|samples| cut(&|pixel| samples[pixel]));
+    let planes = colors.chain([cut(&region), cut(&rim)]);
+    Some(plate_of((map.frame, window), PART_CHANNELS.into_iter().zip(planes)))
 }

@@ -3,6 +3,7 @@
 //! In: the paths of a shot. Out: a [`Gallery`] and the scene that represents it; frames.
 
 mod branches;
+mod composite_parts;
 mod element;
 mod frames;
 mod paint;

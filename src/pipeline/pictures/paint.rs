@@ -3,13 +3,14 @@
 //! In: a [`Gallery`] and solved samples. Out: a [`Frame`]. Where nothing moves, samples keep their bits.
 
 use super::branches::{PartMap, warped_branches};
+use super::composite_parts::{REGION, RIM};
 use super::read::CHANNELS;
 use super::{FlatPicture, Gallery};
 use crate::image::{Channel, Frame, Plate, Storage};
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::part_order::OrderedParts;
 use crate::pipeline::{PreparedShot, TimeSample};
-use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, WarpSettings, warp_plate};
+use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, Semantic, WarpSettings, warp_plate};
 use crate::raster::ChannelGroup;
 use crate::solve::{BranchedLattice, Solution};
 use crate::space::PixelRect;
@@ -22,8 +23,8 @@ const SEEN: f32 = 0.5;
 struct WarpedPicture {
     /// The warp; `None` if the picture is at rest.
     warp: Option<Warp>,
-    /// The parts from back to front, with [`CHANNELS`]; each covers the window of pixels that it may touch.
-    pictures: Vec<Frame>,
+    /// The picture, with [`CHANNELS`], over the window of pixels that it may touch.
+    picture: Frame,
     /// The part of every pixel, if the lattice branches.
     part_map: Option<PartMap>,
     /// Warnings, for example that the picture visibly overlaps itself.
@@ -126,10 +127,7 @@ impl<'a> Painter<'a> {
         let window = self.gallery.frame.window();
         let mut canvas: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; window.area()]);
         for index in 0..self.gallery.flat_pictures.len() {
-            self.warp_picture(index, sample)
-                .pictures
-                .iter()
-                .for_each(|picture| composite_over(&mut canvas, window, picture));
+            composite_over(&mut canvas, window, &self.warp_picture(index, sample).picture);
         }
         canvas
     }
@@ -141,12 +139,10 @@ impl<'a> Painter<'a> {
         for index in 0..self.gallery.flat_pictures.len() {
             let layer = self.prepared.assignment.layer_of_part[index].map_or(0, |layer| layer + 1);
             let here = [layer as f32, (index + 1) as f32];
-            let warped = self.warp_picture(index, sample);
-            for picture in &warped.pictures {
-                for [to, from] in window.shared_rows(picture.data_window) {
-                    let seen = to.zip(&alpha(picture)[from]).filter(|(_, alpha)| **alpha >= SEEN);
-                    seen.for_each(|(at, _)| (ids[0][at], ids[1][at]) = (here[0], here[1]));
-                }
+            let picture = &self.warp_picture(index, sample).picture;
+            for [to, from] in window.shared_rows(picture.data_window) {
+                let seen = to.zip(&alpha(picture)[from]).filter(|(_, alpha)| **alpha >= SEEN);
+                seen.for_each(|(at, _)| (ids[0][at], ids[1][at]) = (here[0], here[1]));
             }
         }
         ids
@@ -182,26 +178,27 @@ fn warped(
     let of_lattice = |plate: &Plate, lattice: ScreenLattice| {
         let (name, field) = (layer.to_owned(), Field::of_layer(lattice));
         let layer = LayerJob { name, field, previous: None, next: None, matte: Some(Matte::Alpha) };
-        let settings = WarpSettings { filter, ..WarpSettings::default() };
+        let semantics = [REGION, RIM].map(|name| (name.to_owned(), Semantic::Color)).into();
+        let settings = WarpSettings { filter, semantics, ..WarpSettings::default() };
         let job = PlateJob { layers: vec![layer], settings: &settings, fill: None };
         let (plate, report) = warp_plate(plate, &job).expect("a matte of all that is there names nothing");
         (plate.into_frame(), report.warnings)
     };
-    let (pictures, part_map, warnings) = match &warp {
-        None => (vec![flat_picture.plate.clone().into_frame()], None, Vec::new()),
+    let (picture, part_map, warnings) = match &warp {
+        None => (flat_picture.plate.clone().into_frame(), None, Vec::new()),
         Some(Warp::Plain(lattice)) => {
             let (picture, warnings) = of_lattice(&flat_picture.plate, lattice.clone());
-            (vec![picture], None, warnings)
+            (picture, None, warnings)
         }
         Some(Warp::Branching(branches, parts)) => {
             let map = last
                 .and_then(|last| last.part_map_of(branches, parts))
                 .unwrap_or_else(|| PartMap::of(flat_picture, branches, parts));
-            let (pictures, warnings) = warped_branches(flat_picture, (&map, branches, parts), of_lattice);
-            (pictures, Some(map), warnings)
+            let (picture, warnings) = warped_branches(flat_picture, (&map, branches, parts), of_lattice);
+            (picture, Some(map), warnings)
         }
     };
-    WarpedPicture { warp, pictures, part_map, warnings }
+    WarpedPicture { warp, picture, part_map, warnings }
 }
 
 impl WarpedPicture {

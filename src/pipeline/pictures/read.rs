@@ -73,8 +73,16 @@ fn flat_picture(
 
 /// Builds a plate from [`CHANNELS`].
 pub(super) fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
-    let named = CHANNELS.into_iter().zip(planes);
-    let channels = named.map(|(name, samples)| Channel { name: name.to_owned(), storage: Storage::Float, samples });
+    plate_of((size, data_window), CHANNELS.into_iter().zip(planes))
+}
+
+/// Builds a plate from named planes.
+pub(super) fn plate_of<'a>(
+    (size, data_window): (FrameSize, PixelRect),
+    named: impl IntoIterator<Item = (&'a str, Vec<f32>)>,
+) -> Plate {
+    let channels =
+        named.into_iter().map(|(name, samples)| Channel { name: name.to_owned(), storage: Storage::Float, samples });
     let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
     Plate::from_frame(Frame { display, data_window, pixel_aspect, channels: channels.collect() })
 }
