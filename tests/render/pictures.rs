@@ -378,6 +378,34 @@ fn branches_keep_soft_edges() {
     assert!(greatest < 0.005, "{greatest}");
 }
 
+/// Islands that are too small to be a part of the shape are moved with the nearest part.
+#[test]
+fn small_islands_are_drawn() {
+    // Dots beside a body, and dots alone.
+    let dots = |x: f32, y: f32| f32::from(u8::from(x.rem_euclid(5.0) < 1.6 && y.rem_euclid(5.0) < 1.6));
+    let body = |x: f32, y: f32| f32::from(u8::from(x < 40.0 && y > 20.0 && y < 50.0));
+    let drawings: [(&str, &dyn Fn(f32, f32) -> f32); 2] =
+        [("body", &|x, y| dots(x, y).max(body(x, y))), ("dots", &|x, y| dots(x, y))];
+    for (name, drawing) in drawings {
+        let wall = Wall::new();
+        wall.hang("dots.exr", SIZE, drawn(SIZE, "", drawing));
+        let pins = [(12.0, 32.0), (32.0, 32.0), (37.0, 47.0)].map(|(x, y)| {
+            let at = [(x - 1.0) / 64.0, 1.0 - (y - 1.0) / 64.0];
+            format!("[[layer.pin]]\nanchor = {{ screen = {at:?}, frame = 1 }}\nkeys = [{{ frame = 1, offset = [0.0625, 0] }}]\n")
+        });
+        let text =
+            "version = 1\nimage = \"dots.exr\"\n[[layer]]\nlattice = { dims = [12, 12], topology = \"branching\" }\n";
+        let (frame, _) = wall.render(wall.shot(&format!("{text}{}", pins.concat())));
+        let covered = |from: i32, alpha: &dyn Fn(i32, i32) -> f32| -> f32 {
+            (0..64).flat_map(|y| (from..from + 92).map(move |x| (x, y))).map(|(x, y)| alpha(x, y)).sum()
+        };
+        let wanted = covered(0, &|x, y| drawing(x as f32 + 0.5, y as f32 + 0.5));
+        let found = covered(4, &|x, y| sample(&frame, "A", x, y));
+        println!("{name}: coverage {found} of {wanted}");
+        assert!((found - wanted).abs() < 0.01 * wanted, "{name}: {found} of {wanted}");
+    }
+}
+
 /// An arm that is laid over the body, or behind it, as its pin's order says.
 #[test]
 fn the_order_of_pins_says_which_part_is_in_front() {

@@ -7,6 +7,7 @@ use super::read::{FlatPicture, plate_of};
 use crate::image::{Frame, Plate};
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::part_order::OrderedParts;
+use crate::plate::PlateReport;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 
@@ -28,7 +29,8 @@ pub(super) struct PartMap {
 }
 
 impl PartMap {
-    /// Labels the pixels of the shape; covered pixels outside the shape get the part of the nearest pixel inside.
+    /// Labels the pixels of the shape; covered pixels outside the shape get the part of the nearest pixel inside, if possible of one that
+    /// they are connected to.
     pub(super) fn of(flat_picture: &FlatPicture, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Self {
         let (window, frame) = (flat_picture.window(), flat_picture.plate.frame_size());
         let mut map = Self { window, frame, labels: vec![NONE; window.area()] };
@@ -38,6 +40,10 @@ impl PartMap {
         }
         let alpha = flat_picture.alpha();
         map.spread(|pixel| alpha[pixel] != 0.0);
+        // Islands that are too small for the shape.
+        if (0..alpha.len()).any(|pixel| alpha[pixel] != 0.0 && map.labels[pixel] == NONE) {
+            map.spread(|_| true);
+        }
         map
     }
 
@@ -55,14 +61,14 @@ impl PartMap {
         }
     }
 
-    /// Gives covered pixels without a part the part of a neighbour, ring by ring outwards.
-    fn spread(&mut self, is_covered: impl Fn(usize) -> bool) {
+    /// Gives pixels without a part the part of a neighbour, ring by ring outwards.
+    fn spread(&mut self, is_reached: impl Fn(usize) -> bool) {
         let mut ring: Vec<usize> = (0..self.labels.len()).filter(|&pixel| self.labels[pixel] != NONE).collect();
         while !ring.is_empty() {
             let mut next = Vec::new();
             for pixel in ring {
                 for neighbour in self.neighbours(pixel).into_iter().flatten() {
-                    if self.labels[neighbour] == NONE && is_covered(neighbour) {
+                    if self.labels[neighbour] == NONE && is_reached(neighbour) {
                         self.labels[neighbour] = self.labels[pixel];
                         next.push(neighbour);
                     }
@@ -132,22 +138,27 @@ fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
     }
 }
 
-/// Returns a picture whose parts are warped by `warp`, and the warnings of those warps.
+/// Returns a picture whose parts are warped by `warp`, and the warnings of those warps: of the parts that fold, those of the one that
+/// folds most.
 pub(super) fn warped_branches(
     flat_picture: &FlatPicture,
     (map, branches, parts): (&PartMap, &BranchedLattice<2>, &OrderedParts),
-    warp: impl Fn(&Plate, ScreenLattice) -> (Frame, Vec<String>),
+    warp: impl Fn(&Plate, ScreenLattice) -> (Frame, PlateReport),
 ) -> (Frame, Vec<String>) {
     let of_branches: Vec<ScreenLattice> = (0..branches.branch_count()).map(|k| branches.extended_lattice(k)).collect();
     let lattices: Vec<&ScreenLattice> = parts.list.iter().map(|part| &of_branches[part.branch]).collect();
-    let (mut pictures, mut warnings) = (Vec::new(), Vec::new());
+    let (mut pictures, mut reports) = (Vec::new(), Vec::new());
     for part in 0..lattices.len() {
         let mask = map.mask(part, &lattices);
         let Some(plate) = cut_out(flat_picture, map, (part, &mask)) else { continue };
-        let (picture, told) = warp(&plate, lattices[part].clone());
+        let (picture, report) = warp(&plate, lattices[part].clone());
         pictures.push(picture);
-        warnings.extend(told);
+        reports.push(report);
     }
+    let most = reports.iter().map(|report| report.folded_pixels).max().unwrap_or(0);
+    reports.retain(|report| [0, most].contains(&report.folded_pixels));
+    let mut warnings: Vec<String> = reports.into_iter().flat_map(|report| report.warnings).collect();
+    warnings.dedup();
     (composite_parts(map.frame, &pictures), warnings)
 }
 

@@ -182,13 +182,13 @@ fn warped(
         let settings = WarpSettings { filter, semantics, ..WarpSettings::default() };
         let job = PlateJob { layers: vec![layer], settings: &settings, fill: None };
         let (plate, report) = warp_plate(plate, &job).expect("a matte of all that is there names nothing");
-        (plate.into_frame(), report.warnings)
+        (plate.into_frame(), report)
     };
     let (picture, part_map, warnings) = match &warp {
         None => (flat_picture.plate.clone().into_frame(), None, Vec::new()),
         Some(Warp::Plain(lattice)) => {
-            let (picture, warnings) = of_lattice(&flat_picture.plate, lattice.clone());
-            (picture, None, warnings)
+            let (picture, report) = of_lattice(&flat_picture.plate, lattice.clone());
+            (picture, None, report.warnings)
         }
         Some(Warp::Branching(branches, parts)) => {
             let map = last

@@ -70,9 +70,9 @@ fn crossing(coverage: &Coverage, side: usize) -> [f64; 2] {
     if is_down { [x, y + share] } else { [x + share, y] }
 }
 
-/// Returns the signed area, by the shoelace formula: positive for outer contours.
+/// Returns the signed area, by the shoelace formula: positive for outer contours, which run clockwise as seen, y down.
 pub(super) fn area(points: &[[f64; 2]]) -> f64 {
-    0.5 * pairs(points).map(|([ax, ay], [bx, by])| ay * bx - ax * by).sum::<f64>()
+    0.5 * pairs(points).map(|([ax, ay], [bx, by])| ax * by - ay * bx).sum::<f64>()
 }
 
 /// Returns the length of a closed contour.

@@ -7,8 +7,11 @@ use crate::space::PixelRect;
 /// Pictures with longer sides are outlined by blocks of pixels.
 const MAX_CELLS: u32 = 1024;
 
-/// Threshold of coverage below which nothing is outlined, unless all of the picture is below it.
-const EDGE: f32 = 0.1;
+/// Thresholds of coverage below which nothing is outlined, from the one for sharp and soft edges to those for glows.
+const EDGES: [f32; 4] = [0.1, 0.05, 0.02, 0.005];
+
+/// Largest share of a picture's coverage that may lie below the threshold.
+const FAINT: f64 = 0.05;
 
 /// Coverage on a grid of cells: pixels, or square blocks of them. Cell (i, j) has its centre at (i, j).
 pub(super) struct Coverage {
@@ -40,7 +43,7 @@ impl Coverage {
         // The maximum over a block dilates by half a block; single pixels are dilated explicitly.
         let values = if block == 1 { spread(&values, width) } else { values };
         let most = values.iter().copied().fold(0.0, f32::max);
-        Self { size: [width, height], values, edge: EDGE.min(0.5 * most), window, block }
+        Self { size: [width, height], values, edge: edge(alpha).min(0.5 * most), window, block }
     }
 
     /// Converts a position in cells to pixels of image space.
@@ -52,6 +55,17 @@ impl Coverage {
         };
         [along(x, self.window.x, self.window.width), along(y, self.window.y, self.window.height)]
     }
+}
+
+/// Returns the threshold of the inside: the highest with little of the picture below it. What lies outside moves with the nearest part of
+/// the shape, so a wide glow would be torn.
+fn edge(alpha: &[f32]) -> f32 {
+    let total: f64 = alpha.iter().map(|&alpha| f64::from(alpha.max(0.0))).sum();
+    let below = |edge: f32| {
+        alpha.iter().filter(|alpha| (0.0..edge).contains(*alpha)).map(|&alpha| f64::from(alpha)).sum::<f64>()
+    };
+    let [.., lowest] = EDGES;
+    EDGES.into_iter().find(|&edge| below(edge) <= FAINT * total).unwrap_or(lowest)
 }
 
 /// Returns the maximum of each cell and its eight neighbours; the border stays empty.
@@ -72,4 +86,25 @@ fn spread(values: &[f32], width: usize) -> Vec<f32> {
         }
     }
     spread
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wide_glow_is_outlined_and_a_soft_edge_is_not() {
+        let window = PixelRect { x: 0, y: 0, width: 200, height: 200 };
+        let picture = |softness: f32, glow: f32| -> Vec<f32> {
+            let at = |index: usize| {
+                let distance = ((index % 200) as f32 - 99.5).hypot((index / 200) as f32 - 99.5);
+                let disc = ((40.0 - distance) / softness + 0.5).clamp(0.0, 1.0);
+                disc.max(glow * (1.0 - distance / 100.0).max(0.0))
+            };
+            (0..window.area()).map(at).collect()
+        };
+        for (softness, glow, wanted) in [(1.0, 0.0, 0.1), (12.0, 0.0, 0.1), (1.0, 0.16, 0.02)] {
+            assert_eq!(Coverage::of(window, &picture(softness, glow)).edge, wanted, "{softness} {glow}");
+        }
+    }
 }

@@ -32,8 +32,12 @@ const MIN_SPACING: f64 = 1.0;
 /// not shape.
 const TOLERANCE: [f64; 2] = [0.04, 0.4];
 
-/// Smaller holes, in squared edge lengths, are closed, and smaller islands dropped if there are larger ones.
+/// Smaller holes, in squared edge lengths, are closed, and smaller islands dropped if there are larger ones. Islands are measured in the
+/// first edge length: in a picture of many islands longer edges would drop them all.
 const MIN_AREA: f64 = 0.1;
+
+/// Number of islands from which on only the largest are kept; the others move with what is nearest.
+const MAX_ISLANDS: usize = 1000;
 
 /// How a picture fills its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,16 +68,28 @@ pub(super) fn triangulated(window: PixelRect, alpha: &[f32]) -> Triangulated {
     let area = loops.iter().map(|points| contour::area(points)).sum::<f64>().abs();
     let length: f64 = loops.iter().map(|points| contour::length(points)).sum();
     let mut spacing = spacing(area, length).max(MIN_SPACING);
-    let mut made = meshed(&loops, spacing);
+    let least_island = least_island(&loops, MIN_AREA * spacing * spacing);
+    let mut made = meshed(&loops, spacing, least_island);
     for _ in 0..TRIES {
         if made.points.len() <= MAX_VERTICES {
             break;
         }
         spacing *= GROWTH;
-        made = meshed(&loops, spacing);
+        let coarser = meshed(&loops, spacing, least_island);
+        if coarser.triangles.is_empty() {
+            break;
+        }
+        made = coarser;
     }
     made.points.iter_mut().for_each(|point| *point = coverage.pixel(*point));
     made
+}
+
+/// Returns the least area of an island that is kept: a given one, or more if there are too many islands.
+fn least_island(loops: &[Vec<[f64; 2]>], least: f64) -> f64 {
+    let mut areas: Vec<f64> = loops.iter().map(|points| contour::area(points)).filter(|&area| area >= least).collect();
+    areas.sort_by(|a, b| b.total_cmp(a));
+    areas.get(MAX_ISLANDS).copied().unwrap_or(least)
 }
 
 /// Returns the edge length at which the triangles of an area, and an outline of a length, have the target number of
@@ -83,13 +99,13 @@ fn spacing(area: f64, length: f64) -> f64 {
     half + (half * half + area / (0.75_f64.sqrt() * WANTED_VERTICES)).sqrt()
 }
 
-/// Builds the mesh at an edge length.
-fn meshed(loops: &[Vec<[f64; 2]>], spacing: f64) -> Triangulated {
-    let least = MIN_AREA * spacing * spacing;
+/// Builds the mesh at an edge length, without islands of a smaller area than `least_island`.
+fn meshed(loops: &[Vec<[f64; 2]>], spacing: f64, least_island: f64) -> Triangulated {
+    let least_hole = MIN_AREA * spacing * spacing;
     let largest = loops.iter().map(|points| contour::area(points)).fold(0.0, f64::max);
     let is_kept = |points: &&Vec<[f64; 2]>| {
         let area = contour::area(points);
-        area.abs() >= least || area == largest
+        area >= least_island || area <= -least_hole || area == largest
     };
     let kept: Vec<&Vec<[f64; 2]>> = loops.iter().filter(is_kept).collect();
     let mut tolerance = (TOLERANCE[0] * spacing).max(TOLERANCE[1]);
