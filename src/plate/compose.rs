@@ -9,6 +9,7 @@ use super::cryptomatte::{CryptomatteRanks, gathered_ranks};
 use super::disjoint_over::{colors, occlusion};
 use super::hole_filling::add_behind;
 use super::moving_layer::MovingLayer;
+use super::pixel_field::PixelField;
 use super::vectors::compose_vectors;
 use super::visible_samples::visible_samples;
 use super::{Filter, Planes, PlateReport, Semantic};
@@ -72,11 +73,14 @@ fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mu
     let is_same = |(_, one): &(usize, &MovingLayer), (_, other): &(usize, &MovingLayer)| one.name == other.name;
     let numbered: Vec<(usize, &MovingLayer)> = moving_layers.iter().enumerate().collect();
     for same in numbered.chunk_by(is_same) {
-        let of_part = |(index, _): &(usize, &MovingLayer)| composite.folded_pixels(*index, alpha.as_deref());
+        let frame = compositor.table.plate.frame_size();
+        let of_part = |&(index, layer): &(usize, &MovingLayer)| {
+            let field = PixelField { field: &layer.now, frame, direction: layer.direction };
+            composite.folded_pixels((index, layer.matte.is_some()), field, alpha.as_deref())
+        };
         let folded: BTreeSet<usize> = same.iter().flat_map(of_part).collect();
         let moving_layer = same[0].1;
         if !folded.is_empty() {
-            let frame = compositor.table.plate.frame_size();
             report.warnings.push(moving_layer.fold_warning(folded.len(), (frame, composite.window)));
         }
         all.extend(folded);

@@ -5,8 +5,11 @@
 use super::WarpMap;
 use super::channel_table::ChannelEntry;
 use super::matte::MatteCoverage;
+use super::pixel_field::{PixelField, center};
 use super::warp_map::nearest_source;
 use crate::space::PixelRect;
+use glam::IVec2;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -115,20 +118,55 @@ impl Composite<'_> {
         held_out.is_some_and(|(holdout, index)| holdout[index] > 0.0)
     }
 
-    /// Returns the pixels, as indices into the window, where a moving layer folds over itself and is visible. A part is extrapolated
-    /// beyond the region that it moves, so at least two of its surfaces must be visible. `alpha`: #pixels of the source.
-    pub(super) fn folded_pixels(&self, moving_layer: usize, alpha: Option<&[f32]>) -> BTreeSet<usize> {
+    /// Returns the pixels, as indices into the window, where a moving layer folds over itself and is visible. What a matte or a part
+    /// leaves out is moved too, but overlaps nothing: two surfaces must be visible, or one that is flipped. `alpha`: #pixels of the
+    /// source.
+    pub(super) fn folded_pixels(
+        &self,
+        (moving_layer, has_matte): (usize, bool),
+        field: PixelField,
+        alpha: Option<&[f32]>,
+    ) -> BTreeSet<usize> {
         let surfaces: Vec<&WarpedLayer> =
             self.layers.iter().filter(|layer| layer.moving_layer == moving_layer).collect();
-        let of_layer = |layer: &WarpedLayer| -> Vec<usize> {
+        let folded_of = |layer: &WarpedLayer| -> Vec<[i32; 2]> {
             let folded = layer.map.iter().flat_map(|map| map.folded_pixels.iter().map(|&index| index as usize));
-            let pixels = folded.map(|index| layer.window.pixel_at(index));
-            let least = if layer.group.is_some() { 2 } else { 1 };
-            let seen = |pixel: [i32; 2]| surfaces.iter().filter(|own| self.is_visible(own, pixel, alpha)).count();
-            let shown = pixels.filter(|&pixel| self.is_visible(layer, pixel, alpha) && seen(pixel) >= least);
-            shown.filter_map(|pixel| self.window.sample_index(pixel)).collect()
+            folded.map(|index| layer.window.pixel_at(index)).collect()
         };
-        surfaces.iter().copied().flat_map(of_layer).collect()
+        let folded: Vec<(&WarpedLayer, Vec<[i32; 2]>)> =
+            surfaces.iter().map(|&layer| (layer, folded_of(layer))).collect();
+        if folded.iter().all(|(_, pixels)| pixels.is_empty()) {
+            return BTreeSet::new();
+        }
+        let is_whole = !has_matte && surfaces.iter().all(|layer| layer.group.is_none());
+        let flipped = match surfaces.first() {
+            Some(layer) if !is_whole => self.flipped_targets(field, layer, alpha),
+            _ => BTreeSet::new(),
+        };
+        let seen = |pixel: [i32; 2]| surfaces.iter().filter(|own| self.is_visible(own, pixel, alpha)).count();
+        let of_layer = |(layer, pixels): (&WarpedLayer, Vec<[i32; 2]>)| -> Vec<usize> {
+            let shown = pixels.into_iter().filter(|&pixel| self.is_visible(layer, pixel, alpha));
+            let indexed = shown.filter_map(|pixel| Some((pixel, self.window.sample_index(pixel)?)));
+            let counts = indexed.filter(|(pixel, at)| is_whole || flipped.contains(at) || seen(*pixel) >= 2);
+            counts.map(|(_, at)| at).collect()
+        };
+        folded.into_iter().flat_map(of_layer).collect()
+    }
+
+    /// Returns the pixels, as indices into the window, on and around which visible pixels of a layer land flipped.
+    fn flipped_targets(&self, field: PixelField, layer: &WarpedLayer, alpha: Option<&[f32]>) -> BTreeSet<usize> {
+        let target = |source: usize| {
+            let covered = layer.matte.coverage.as_deref().map_or(1.0, |coverage| coverage[source]);
+            if covered * alpha.map_or(1.0, |alpha| alpha[source]) <= MIN_VISIBLE {
+                return None;
+            }
+            let [x, y] = self.source.pixel_at(source);
+            let (moved, gradient) = field.displace(center(x, y));
+            (gradient.determinant() < 0.0).then(|| (center(x, y) + moved).floor().as_ivec2())
+        };
+        let targets: Vec<IVec2> = (0..self.source.area()).into_par_iter().filter_map(target).collect();
+        let around = targets.into_iter().flat_map(|at| (0..9).map(move |k| [at.x + k % 3 - 1, at.y + k / 3 - 1]));
+        around.filter_map(|pixel| self.window.sample_index(pixel)).collect()
     }
 
     /// Whether a layer is visible at a pixel.

@@ -4,7 +4,7 @@ use super::map::{BASES, random};
 use super::support::{channel, layer, plate, warped};
 use glam::DVec2;
 use pinwarp::image::Storage;
-use pinwarp::lattice::Basis;
+use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, Matte, WarpMap, WarpSettings};
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 
@@ -139,6 +139,31 @@ fn a_warped_plate_reports_where_it_overlaps_itself() {
     assert_eq!(folded(&field, Some("near.A")), wanted, "both sheets, but each pixel once");
     assert_eq!(folded(&field, Some("far.A")), 0, "the layer has nothing there");
     assert_eq!(folded(&Field::of_layer(random(Basis::Bspline, 0.2, 1)), None), 0);
+}
+
+/// Outside its lattice a layer is moved less and less, and by a rotation of more than a right angle turned over. Nothing of the layer is
+/// there.
+#[test]
+fn a_rotated_layer_does_not_fold() {
+    let mut lattice =
+        Grid { dims: [6, 6], basis: Basis::Bspline, lo: [0.6, 0.2], hi: [1.2, 0.8], angle: 0.0 }.at_rest();
+    let rotated = |handle: &[f64; 2]| {
+        let center = DVec2::new(0.9, 0.5);
+        (center + DVec2::from_angle(2.1).rotate(DVec2::from(*handle) - center)).to_array()
+    };
+    lattice.handles.iter_mut().for_each(|handle| *handle = rotated(handle));
+    let field = Field::of_layer(lattice);
+    assert!(WarpMap::backward(&field, FRAME, FRAME.window()).folded_pixels.len() > 200, "the field folds");
+    let disc = |x: u32, y: u32| f32::from(u8::from((f64::from(x) - 81.0).hypot(f64::from(y) - 45.0) < 24.0));
+    let channels = [("R", &disc as &dyn Fn(u32, u32) -> f32), ("A", &disc)];
+    let channels = channels.map(|(name, value)| channel(name, Storage::Half, FRAME.window(), value));
+    let plate = plate(FRAME.window(), FRAME.window(), channels.into());
+    let folded = |field: Field| {
+        let layers = vec![layer("all", field, Some(Matte::Alpha))];
+        warped(&plate, layers, &WarpSettings::default()).1.folded_pixels
+    };
+    assert_eq!(folded(field), 0);
+    assert!(folded(pulled_over()) > 50, "what is seen twice is reported");
 }
 
 #[test]
