@@ -162,29 +162,34 @@ fn nearest_sample(pixel: vec2<i32>) -> vec4<u32> {
 
 // --- Footprints: shape.rs -------------------------------------------------------------------------------------------
 
-/// Derivative of the offsets along an axis, per pixel: the shorter of the differences to both neighbours; 0 without
-/// neighbours.
+/// A difference of two neighbouring offsets.
+struct OffsetStep {
+    by: vec2<f32>,
+    is_known: bool,
+}
+
+/// The difference from a pixel to the next along an axis; unknown outside the map.
+fn offset_step(pixel: vec2<i32>, step: vec2<i32>) -> OffsetStep {
+    let at = push.first + pixel;
+    if any(at < vec2<i32>(0)) || any(at + step >= push.offset_count) {
+        return OffsetStep(vec2<f32>(0.0), false);
+    }
+    let by = offset_at(pixel + step) - offset_at(pixel);
+    return OffsetStep(by, !is_nan(by.x) && !is_nan(by.y));
+}
+
+/// Derivative of the offsets along an axis, per pixel: the shorter of the differences to both neighbours. At the border
+/// of the map the next difference stands for the missing one. 0 if there is none.
 fn steepness(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
     let at = push.first + pixel;
-    let here = offset_at(pixel);
-    var before = vec2<f32>(0.0);
-    var after = vec2<f32>(0.0);
-    var has_before = all(at - step >= vec2<i32>(0));
-    var has_after = all(at + step < push.offset_count);
-    if has_before {
-        let there = offset_at(pixel - step);
-        has_before = !is_nan(there.x) && !is_nan(there.y);
-        before = here - there;
+    let is_first = any(at - step < vec2<i32>(0));
+    let is_last = any(at + step >= push.offset_count);
+    let before = offset_step(select(pixel - step, pixel + step, is_first), step);
+    let after = offset_step(select(pixel, pixel - 2 * step, is_last), step);
+    if before.is_known && (!after.is_known || dot(before.by, before.by) <= dot(after.by, after.by)) {
+        return before.by;
     }
-    if has_after {
-        let there = offset_at(pixel + step);
-        has_after = !is_nan(there.x) && !is_nan(there.y);
-        after = there - here;
-    }
-    if has_before && (!has_after || dot(before, before) <= dot(after, after)) {
-        return before;
-    }
-    return select(vec2<f32>(0.0), after, has_after);
+    return select(vec2<f32>(0.0), after.by, after.is_known);
 }
 
 fn shape_at(pixel: vec2<i32>) -> Shape {

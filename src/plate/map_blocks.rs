@@ -14,8 +14,9 @@ use rayon::prelude::*;
 const SMALLEST: usize = 4;
 /// Tolerance at the check points of a block, in pixels.
 const GOOD: f64 = 2e-4;
-/// Check points of a block, as fractions of its size.
-const CHECKS: [(f64, f64); 5] = [(0.5, 0.5), (0.25, 0.5), (0.5, 0.25), (0.75, 0.5), (0.5, 0.75)];
+/// Check points of a block, as fractions of its size: inside, and on the sides, whose ends may lie on different sheets of a fold.
+const CHECKS: [(f64, f64); 9] =
+    [(0.5, 0.5), (0.25, 0.5), (0.5, 0.25), (0.75, 0.5), (0.5, 0.75), (0.0, 0.5), (0.5, 0.0), (1.0, 0.5), (0.5, 1.0)];
 
 /// Exact points of a window, spaced [`LARGEST`] pixels from its first pixel to one point beyond its end.
 pub(super) struct MapNodes {

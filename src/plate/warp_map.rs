@@ -54,35 +54,39 @@ impl WarpMap {
     pub fn jacobian(&self, index: usize) -> [[f32; 2]; 2] {
         let width = self.window.width as usize;
         let (column, row) = (index % width, index / width);
-        let right = (column + 1 < width).then(|| index + 1);
-        let below = (row + 1 < self.window.height as usize).then(|| index + width);
-        let x = self.step(index, index.checked_sub(1).filter(|_| column > 0), right);
-        let y = self.step(index, index.checked_sub(width), below);
+        let x = self.step(index, 1, (column, width));
+        let y = self.step(index, width, (row, self.window.height as usize));
         [[1.0 + x[0], y[0]], [x[1], 1.0 + y[1]]]
     }
 
-    /// Returns the change of the offset per pixel, from the neighbours.
-    fn step(&self, at: usize, before: Option<usize>, after: Option<usize>) -> [f32; 2] {
-        let here = self.offsets[at];
-        let change = |other: Option<usize>, sign: f32| {
-            let there = self.offsets[other?];
-            let change = [0, 1].map(|d| (there[d] - here[d]) * sign);
+    /// Returns the change of the offset per pixel along an axis, from the neighbours. At the border of the map, the next change tells
+    /// whether the only neighbour is on the same surface. `stride`: to the next of `count` pixels, `place`: of this pixel among them.
+    fn step(&self, at: usize, stride: usize, (place, count): (usize, usize)) -> [f32; 2] {
+        let change = |from: usize| {
+            let [from, to] = [self.offsets[from], self.offsets[from + stride]];
+            let change = [0, 1].map(|d| to[d] - from[d]);
             (change[0] + change[1]).is_finite().then_some(change)
         };
         let square = |v: [f32; 2]| v[0] * v[0] + v[1] * v[1];
-        match (change(before, -1.0), change(after, 1.0)) {
-            (Some(a), Some(b)) if square([a[0] - b[0], a[1] - b[1]]) <= TEAR * TEAR => {
-                [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
-            }
-            (Some(a), Some(b)) => {
+        let [has_before, has_after] = [place > 0, place + 1 < count];
+        let (near, other) = match (has_before, has_after) {
+            (true, true) => (change(at - stride), change(at)),
+            (false, true) => (change(at), if count > 2 { change(at + stride) } else { None }),
+            (true, false) => (change(at - stride), if place > 1 { change(at - 2 * stride) } else { None }),
+            (false, false) => (None, None),
+        };
+        match (near, other) {
+            (Some(a), Some(b)) if square([a[0] - b[0], a[1] - b[1]]) > TEAR * TEAR => {
                 if square(a) <= square(b) {
                     a
                 } else {
                     b
                 }
             }
-            (Some(only), None) | (None, Some(only)) => only,
-            (None, None) => [0.0; 2],
+            (Some(a), Some(b)) if has_before && has_after => [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])],
+            (Some(only), _) => only,
+            (None, Some(only)) if has_before && has_after => only,
+            (None, _) => [0.0; 2],
         }
     }
 

@@ -92,3 +92,34 @@ fn filters_are_those_of_other_programs() {
     assert!(lanczos < 5e-6, "lanczos: {lanczos:e}");
     assert!(other > 1e-2, "the comparison cannot fail: {other:e}");
 }
+
+/// A row or column at the border of the map is on another surface than the one beside it: the step to its only neighbour is no slope.
+#[test]
+fn a_tear_at_the_border_of_the_map_does_not_widen_the_filter() {
+    let (source, _) = warp();
+    let [width, height] = [FRAME.width as usize, FRAME.height as usize];
+    let sides: [(&str, &dyn Fn(usize, usize) -> bool, f32); 4] = [
+        ("top", &|_, y| y == 0, 2.0),
+        ("bottom", &|_, y| y + 1 == height, -2.0),
+        ("left", &|x, _| x == 0, 2.0),
+        ("right", &|x, _| x + 1 == width, -2.0),
+    ];
+    for (name, is_apart, by) in sides {
+        let mut map = WarpMap::identity(FRAME, FRAME.window());
+        for (index, offset) in map.offsets.iter_mut().enumerate() {
+            *offset = if is_apart(index % width, index / width) { [by; 2] } else { [20.0 * by; 2] };
+        }
+        let planes = Planes { window: FRAME.window(), planes: vec![&source] };
+        let moved = resampled(&map, &planes, Filter::Ewa);
+        for step in 10..height - 10 {
+            let [x, y] = [(step, 0), (step, height - 1), (0, step), (width - 1, step)]
+                .map(|(x, y)| [x, y])
+                .into_iter()
+                .find(|&[x, y]| is_apart(x, y))
+                .expect("one side");
+            let wanted = source[(y as f32 + by) as usize * width + (x as f32 + by) as usize];
+            let found = moved[0][y * width + x];
+            assert!((found - wanted).abs() < 1e-5, "{name}, {step}: {found}, not {wanted}");
+        }
+    }
+}

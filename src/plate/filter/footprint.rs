@@ -39,8 +39,8 @@ impl Footprint {
     pub(super) fn at(map: &WarpMap, column: usize, row: usize) -> Self {
         let (width, height) = (map.window.width as usize, map.window.height as usize);
         let index = row * width + column;
-        let across = steepness(&map.offsets, index, 1, [column > 0, column + 1 < width]);
-        let down = steepness(&map.offsets, index, width, [row > 0, row + 1 < height]);
+        let across = steepness(&map.offsets, index, 1, (column, width));
+        let down = steepness(&map.offsets, index, width, (row, height));
         Self::of_jacobian(jacobian(across, down))
     }
 
@@ -128,12 +128,21 @@ fn clamped_scale(squared: f32) -> f32 {
 }
 
 /// Returns the change of the offset per pixel along an axis: the smaller of the differences on both sides, since the
-/// other may cross a fold or a hole. 0 if neither side has one.
+/// other may cross a fold or a hole. At the border of the map the next difference stands for the missing one. 0 if there is none.
+/// `stride`: to the next of `count` pixels, `place`: of this pixel among them.
 #[inline(always)]
-fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, sides: [bool; 2]) -> [f32; 2] {
-    let here = offsets[index];
-    let before = if sides[0] { difference(here, offsets[index - stride]) } else { [f32::NAN; 2] };
-    let after = if sides[1] { difference(offsets[index + stride], here) } else { [f32::NAN; 2] };
+fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, (place, count): (usize, usize)) -> [f32; 2] {
+    let step = |from: usize| difference(offsets[from + stride], offsets[from]);
+    let before = match (place, count) {
+        (1.., _) => step(index - stride),
+        (0, 3..) => step(index + stride),
+        (0, _) => [f32::NAN; 2],
+    };
+    let after = match count - place {
+        2.. => step(index),
+        _ if place >= 2 => step(index - 2 * stride),
+        _ => [f32::NAN; 2],
+    };
     smaller(before, after)
 }
 
