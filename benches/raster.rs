@@ -118,7 +118,8 @@ fn draw_frame(raster: &mut dyn Raster, geometry: &Geometry, case: &Case) -> Dura
     raster.start(&target(case, case.samples)).expect("the window is small");
     for sample in 0..case.samples {
         let jitter_px = Vec2::new((sample % 4) as f32, (sample / 4) as f32) / 4.0 - 0.375;
-        let pass = Pass { geometry, jitter_px, role: PassRole::BeautyAndData };
+        let role = if sample == 0 { PassRole::BeautyAndData } else { PassRole::Beauty };
+        let pass = Pass { geometry, jitter_px, role };
         raster.draw(&pass).expect("a frame was started");
     }
     std::hint::black_box(raster.finish().expect("a frame was started"));

@@ -1,24 +1,26 @@
 //! Geometry thread of a render: poses, solves, and builds the geometry of every pass.
 //!
-//! In: frame numbers. Out: a [`FrameJob`] for each frame, whose passes are built while the frame is being drawn.
+//! In: frame numbers. Out: a [`FrameJob`] for each frame, whose passes are built while the frame is being drawn, several times of the
+//! exposure at once.
 
 use super::overlay;
 use super::report::report;
 use crate::image::CameraMatrices;
 use crate::pipeline::prepare::lighting;
-use crate::pipeline::{FrameReport, JerkMeter, PipelineError, PreparedShot, TimeSample, plan_passes};
+use crate::pipeline::{FrameReport, JerkMeter, PassPlan, PipelineError, PreparedShot, TimeSample, plan_passes};
 use crate::raster::geometry::{self, Assembly, KeptParts, PartWarp, assemble_keeping};
 use crate::raster::{ChannelGroup, Geometry, PassRole};
 use glam::Vec2;
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
-/// Number of finished passes that may wait to be drawn.
-const QUEUED_PASSES: usize = 2;
+/// Least number of finished passes that may wait to be drawn.
+const MIN_QUEUED_PASSES: usize = 2;
 
-/// Number of triangles above which passes are handed over one by one, because each waiting pass holds its geometry.
+/// Number of triangles of all times that are built at once. Larger scenes are built time by time, each when the one before is drawn.
 const MANY_TRIANGLES: usize = 500_000;
 
 /// Width of lines in frame heights: two pixels at 1080 lines. Smaller frames draw lines at least one pixel wide.
@@ -46,14 +48,6 @@ pub(in crate::pipeline) struct BuiltPass {
     pub(in crate::pipeline) geometry: Arc<Geometry>,
     pub(in crate::pipeline) jitter_px: Vec2,
     pub(in crate::pipeline) role: PassRole,
-}
-
-/// The geometry built last.
-struct Built {
-    /// Time relative to the frame, in frames.
-    time: f64,
-    has_motion: bool,
-    geometry: Arc<Geometry>,
 }
 
 /// Builds the jobs of a render.
@@ -94,26 +88,26 @@ impl GeometryThread<'_> {
         let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);
         let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
-        let mut last: Option<Built> = None;
-        for planned in (0..self.tile_count).flat_map(|_| &plan) {
-            let time = planned.time_frames;
-            let needs_motion = planned.role != PassRole::Beauty && has_motion;
+        let passes: Vec<PassPlan> = (0..self.tile_count).flat_map(|_| plan.iter().copied()).collect();
+        let runs: Vec<&[PassPlan]> = passes.chunk_by(|a, b| a.time_frames == b.time_frames).collect();
+        let build = |run: &&[PassPlan]| {
+            let needs_motion = has_motion && run.iter().any(|planned| planned.role != PassRole::Beauty);
+            self.geometry(f64::from(frame) + run[0].time_frames, needs_motion)
+        };
+        for times in runs.chunks(self.parallel_times()) {
             let begun = Instant::now();
-            // Geometry that cannot be reused is freed before its replacement is built.
-            last = last.filter(|built| built.time == time && (built.has_motion || !needs_motion));
-            let built = match last.take() {
-                Some(built) => built,
-                None => {
-                    let geometry = Arc::new(self.geometry(f64::from(frame) + time, needs_motion)?);
-                    Built { time, has_motion: needs_motion, geometry }
-                }
-            };
+            let built: Vec<Result<Geometry, PipelineError>> = times.par_iter().map(build).collect();
             busy += begun.elapsed();
-            let geometry = Arc::clone(&last.insert(built).geometry);
-            let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
-            if pass.send(Ok(built)).is_err() {
-                // The raster failed and reports the cause itself.
-                return Ok(());
+            for (run, geometry) in times.iter().zip(built) {
+                let geometry = Arc::new(geometry?);
+                for planned in *run {
+                    let geometry = Arc::clone(&geometry);
+                    let built = BuiltPass { geometry, jitter_px: planned.jitter_px, role: planned.role };
+                    if pass.send(Ok(built)).is_err() {
+                        // The raster failed and reports the cause itself.
+                        return Ok(());
+                    }
+                }
             }
         }
         facts.report.geometry_ms = busy.as_secs_f64() * 1e3;
@@ -121,11 +115,19 @@ impl GeometryThread<'_> {
         Ok(())
     }
 
-    /// Returns the number of passes of a frame that may wait.
+    /// Returns the number of times whose geometry is built at once.
+    fn parallel_times(&self) -> usize {
+        (MANY_TRIANGLES / self.triangle_count().max(1)).clamp(1, rayon::current_num_threads())
+    }
+
+    /// Returns the number of passes of a frame that may wait, so that the next times are built while these are drawn.
     fn queued_passes(&self) -> usize {
+        if self.triangle_count() > MANY_TRIANGLES { 0 } else { self.parallel_times().max(MIN_QUEUED_PASSES) }
+    }
+
+    fn triangle_count(&self) -> usize {
         let primitives = self.prepared.scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let triangles: usize = primitives.map(|primitive| primitive.triangles.len()).sum();
-        if triangles > MANY_TRIANGLES { 0 } else { QUEUED_PASSES }
+        primitives.map(|primitive| primitive.triangles.len()).sum()
     }
 
     /// Builds the geometry of one time, including positions in the neighbouring frames if motion is wanted.
