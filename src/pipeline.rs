@@ -63,3 +63,5 @@ pub use viewer::new_shot::{NewShot, new_shot, path_between};
 pub use viewer::open_shot::{OpenShot, Rework};
 pub use viewer::picked_point::PickedPoint;
 pub use viewer::still::{Device, IsCancelled};
+#[cfg(feature = "editor")]
+pub(crate) use viewer::warped_still::WarpedStill;

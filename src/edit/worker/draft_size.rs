@@ -28,6 +28,11 @@ impl DraftSize {
         FrameSize { width: part(frame.width), height: part(frame.height), ..frame }
     }
 
+    /// Returns whether even the smallest size takes more than twice the budget.
+    pub(super) fn exceeds(self, longest_ms: f64) -> bool {
+        self.full_ms.is_some_and(|full| full * share(MAX_PARTS) > 2.0 * longest_ms)
+    }
+
     /// Updates the estimate with a measured time.
     pub(super) fn learn(&mut self, frame: FrameSize, size: FrameSize, took_ms: f64) {
         let parts = (f64::from(frame.height) / f64::from(size.height)).round().max(1.0) as u32;
@@ -54,6 +59,7 @@ mod tests {
             size.learn(frame, frame, 400.0);
         }
         assert_eq!(size.within(frame, 25.0).height, 271);
+        assert!(size.exceeds(50.0) && !size.exceeds(100.0));
         for _ in 0..8 {
             size.learn(frame, size.within(frame, 25.0), 4.0);
         }

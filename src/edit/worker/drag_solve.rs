@@ -3,10 +3,14 @@
 //! In: a prepared shot and the frame, then changed keys again and again. Out: the frame's [`TimeSample`] with those
 //! layers solved.
 
-use crate::pipeline::{LayerMarks, LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample, resting_marks};
+use crate::image::Frame;
+use crate::pipeline::{
+    Device, LayerMarks, LayerSolver, LayerTask, PipelineError, PreparedShot, TimeSample, WarpedStill, resting_marks,
+};
 use crate::raster::geometry::KeptParts;
 use crate::shot::{Layer, LayerSpace, PinRegion};
 use crate::solve::Cancel;
+use crate::space::FrameSize;
 
 /// A frame with layers being dragged.
 pub(super) struct DragSolve {
@@ -21,6 +25,8 @@ pub(super) struct DragSolve {
     held: Vec<HeldPins>,
     /// The parts of all other layers.
     at_rest: KeptParts,
+    /// The frame as pictures of its layers, drawn when it is first needed; `None` inside if that is not possible.
+    still: Option<Option<WarpedStill>>,
 }
 
 impl DragSolve {
@@ -36,7 +42,7 @@ impl DragSolve {
         }
         let resting = resting_marks(prepared, &sample);
         let (held, at_rest) = (held_of(prepared, layers), prepared.parts_at_rest(layers));
-        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held, at_rest })
+        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held, at_rest, still: None })
     }
 
     /// Returns whether this drag can be continued with these inputs.
@@ -69,6 +75,20 @@ impl DragSolve {
     /// Returns the frame as solved last.
     pub(super) const fn sample(&self) -> &TimeSample {
         &self.sample
+    }
+
+    /// Returns the frame with the dragged layers warped as pictures, in place of drawing it; `None` if that is not possible.
+    pub(super) fn warped(
+        &mut self,
+        prepared: &PreparedShot,
+        device: &mut Device,
+        size: FrameSize,
+    ) -> Result<Option<Frame>, PipelineError> {
+        let still = match self.still.take() {
+            Some(still) => still,
+            None => prepared.warped_still(device, (&self.sample, &self.layers), size)?,
+        };
+        Ok(self.still.insert(still).as_ref().and_then(|still| still.warped(&self.sample)))
     }
 
     /// Returns the parts of all layers that are not dragged.

@@ -27,6 +27,9 @@ const PLAY_MS: f64 = 30.0;
 /// Time budget of the first draft of a displayed frame, in milliseconds.
 const LOOK_MS: f64 = 80.0;
 
+/// Divisor of the frame's size at which pictures are warped in place of drawing the scene.
+const STILL_PARTS: u32 = 2;
+
 /// Idle time before the files are checked for changes.
 const WATCH: Duration = Duration::from_secs(1);
 
@@ -238,9 +241,25 @@ impl FrameWorker {
         sender.send(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
-        let drawn = self.draw((job.frame, job), (drag.sample(), drag.at_rest(), Quality::Provisional), left_ms, sender);
+        if !(self.drafts.exceeds(left_ms) && self.warp_still(job, &mut drag, sender)?) {
+            let quality = Quality::Provisional;
+            self.draw((job.frame, job), (drag.sample(), drag.at_rest(), quality), left_ms, sender)?;
+        }
         self.drag = Some(drag);
-        drawn
+        Ok(())
+    }
+
+    /// Warps a picture of the frame in place of drawing the scene. Returns false if that is not possible.
+    fn warp_still(&mut self, job: &Job, drag: &mut DragSolve, sender: &ReplySender) -> Result<bool, PipelineError> {
+        let Some((open, device)) = self.open.as_ref().zip(self.device.as_deref_mut()) else { return Ok(false) };
+        let prepared = open.prepared();
+        let part = |side: u32| side.div_ceil(STILL_PARTS);
+        let full = prepared.shot.size;
+        let size = FrameSize { width: part(full.width), height: part(full.height), ..full };
+        let Some(frame) = drag.warped(prepared, device, size)? else { return Ok(false) };
+        let picture = Picture::of(&frame, (job.frame, job.revision), Quality::Provisional);
+        sender.send(Reply::Drawn(Arc::new(picture)));
+        Ok(true)
     }
 
     fn send_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), sender: &ReplySender) {

@@ -7,3 +7,5 @@ pub(super) mod new_shot;
 pub(super) mod open_shot;
 pub(super) mod picked_point;
 pub(super) mod still;
+#[cfg(feature = "editor")]
+pub(super) mod warped_still;
