@@ -25,7 +25,7 @@ pub(super) fn connection<const D: usize>(
     link: &PlacedLink<D>,
     nodes: [u32; 2],
 ) -> Option<Connection> {
-    Some((support.growth_below_one(link)?.max(0.0).to_bits(), nodes))
+    Some((support.growth_below_one(link)?.to_bits(), nodes))
 }
 
 /// The connections of all cells, computed when they are needed.

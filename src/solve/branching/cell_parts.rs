@@ -336,7 +336,7 @@ mod tests {
                     let [ours, theirs] = [a, b].map(|root| std::mem::take(&mut pieces[root]));
                     let pairs =
                         ours.iter().flat_map(|&one| theirs.iter().map(move |&other| [one.min(other), one.max(other)]));
-                    ties.extend(pairs.map(|pair| (handle, pair, growth.max(0.0))));
+                    ties.extend(pairs.map(|pair| (handle, pair, growth)));
                     sets.join([a, b]);
                     pieces[sets.root(a)] = [ours, theirs].concat();
                 }

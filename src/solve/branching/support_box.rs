@@ -86,39 +86,56 @@ impl<const D: usize> SupportBox<D> {
     pub(super) fn connects(&self, link: &PlacedLink<D>) -> bool {
         let [from, to] = link.ends.map(|end| self.is_inside(&end));
         match link.kind {
-            LinkKind::Edge => from || to || (!self.is_beyond(&link.ends, 0.0) && self.growth(&link.ends) < 0.0),
+            LinkKind::Edge => from || to || (!self.is_beyond(&link.ends) && self.growth(&link.ends) < 0.0),
             LinkKind::Across => from && to,
         }
     }
 
-    /// [`Self::growth_to`] if it is below 1.
+    /// Growth of the box on all sides, in spans, at which it connects the triangles of a link: 0 if it already does; `None` from 1 on.
     pub(super) fn growth_below_one(&self, link: &PlacedLink<D>) -> Option<f64> {
-        let is_far = link.kind == LinkKind::Edge && self.is_beyond(&link.ends, 1.0);
-        let growth = if is_far { 1.0 } else { self.growth_to(link) };
+        let growth = match link.kind {
+            LinkKind::Edge => self.outer_growth(&link.ends),
+            LinkKind::Across => {
+                let [from, to] = link.ends.map(|end| self.distance(&end));
+                from.max(to)
+            }
+        };
         (growth < 1.0).then_some(growth)
+    }
+
+    /// Distance of a point from the box along the axis on which it is farthest, in spans; 0 inside.
+    fn distance(&self, point: &[f64; D]) -> f64 {
+        let along = |axis: usize| {
+            let [low, high] = self.borders[axis];
+            (low - point[axis]).max(point[axis] - high) / self.spacing[axis]
+        };
+        (0..D).map(along).fold(0.0, f64::max)
+    }
+
+    /// [`Self::growth`] if it is above 0, else 0. Most segments have one border beyond which they lie, if any.
+    fn outer_growth(&self, ends: &[[f64; D]; 2]) -> f64 {
+        let mut nearest_beyond = 0.0_f64;
+        let mut count = 0;
+        for (axis, [low, high]) in self.borders.into_iter().enumerate() {
+            let [from, to] = [ends[0][axis], ends[1][axis]];
+            for nearest in [low - from.max(to), from.min(to) - high] {
+                nearest_beyond = nearest_beyond.max(nearest / self.spacing[axis]);
+            }
+            count += usize::from(low > from.min(to)) + usize::from(from.max(to) > high);
+        }
+        if count > 1 && nearest_beyond < 1.0 { self.growth(ends).max(0.0) } else { nearest_beyond }
     }
 
     fn is_inside(&self, point: &[f64; D]) -> bool {
         (0..D).all(|axis| self.borders[axis][0] < point[axis] && point[axis] < self.borders[axis][1])
     }
 
-    /// Whether both ends of a segment are beyond the same border, by at least `spans`.
-    fn is_beyond(&self, ends: &[[f64; D]; 2], spans: f64) -> bool {
+    /// Whether both ends of a segment are beyond the same border.
+    fn is_beyond(&self, ends: &[[f64; D]; 2]) -> bool {
         (0..D).any(|axis| {
-            let ([low, high], by) = (self.borders[axis], spans * self.spacing[axis]);
-            ends.iter().all(|end| end[axis] <= low - by) || ends.iter().all(|end| end[axis] >= high + by)
+            let [low, high] = self.borders[axis];
+            ends.iter().all(|end| end[axis] <= low) || ends.iter().all(|end| end[axis] >= high)
         })
-    }
-
-    /// Growth of the box on all sides, in spans, at which it connects the triangles of a link; negative if it already does.
-    fn growth_to(&self, link: &PlacedLink<D>) -> f64 {
-        match link.kind {
-            LinkKind::Edge => self.growth(&link.ends),
-            LinkKind::Across => {
-                let [from, to] = link.ends.map(|end| self.growth(&[end, end]));
-                from.max(to)
-            }
-        }
     }
 
     /// Growth of the box on all sides, in spans, at which it meets a segment; negative if it already does.
@@ -175,4 +192,36 @@ pub(super) fn cells_between<const D: usize>(grid: &Grid<D>, ranges: [[usize; 2];
         cells = cells.iter().flat_map(|cell| (low..=high).map(move |place| cell * spans + place)).collect();
     }
     cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Basis;
+    use proptest::prelude::*;
+
+    /// Least growth at which the box meets one of many points of a segment.
+    fn sampled_growth(support: &SupportBox<2>, [from, to]: &[[f64; 2]; 2]) -> f64 {
+        let at = |step: u32| {
+            let t = f64::from(step) / 4000.0;
+            support.distance(&[0, 1].map(|axis| from[axis] + t * (to[axis] - from[axis])))
+        };
+        (0..=4000).map(at).fold(f64::INFINITY, f64::min)
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_meets_a_segment_when_it_has_grown_to_it(
+            handle in 0..64_usize,
+            ends in proptest::array::uniform2(proptest::array::uniform2(-0.2..1.2)),
+        ) {
+            let grid = Grid { dims: [8, 8], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
+            let support = SupportBox::of(&grid, 4, handle);
+            let link = PlacedLink { triangles: [0, 1], ends, kind: LinkKind::Edge };
+            let found = support.growth_below_one(&link).unwrap_or(1.0);
+            let wanted = sampled_growth(&support, &ends).min(1.0);
+            // Between two samples the distance falls by no more than their distance, in spans.
+            prop_assert!(found < wanted + 1e-9 && wanted - found < 1.4 * 5.0 / 4000.0, "{found} {wanted}");
+        }
+    }
 }
