@@ -20,6 +20,9 @@ const THINNER: f64 = 0.15;
 /// Minimum and maximum number of handles along an axis.
 const HANDLES: [usize; 2] = [10, 64];
 
+/// Number of handles above which the cost of a sequence is noted.
+const MANY_HANDLES: usize = 2000;
+
 /// Size of a followed box relative to the model, including the padding on both sides.
 const PADDING: f64 = 1.2;
 
@@ -34,7 +37,13 @@ pub(in crate::pipeline) fn choose(prepared: &mut PreparedShot) {
             *dims = chosen;
         }
         let [across, up] = chosen;
-        prepared.notes.push(format!("layer '{}': a lattice of {across} x {up} handles, {why}", layer.name));
+        let cost = match chosen.map(|count| count.div_ceil(2).max(HANDLES[0])) {
+            [x, y] if across * up > MANY_HANDLES => {
+                format!("; so many take minutes for a sequence, and dims = [{x}, {y}] a fraction of that")
+            }
+            _ => String::new(),
+        };
+        prepared.notes.push(format!("layer '{}': a lattice of {across} x {up} handles, {why}{cost}", layer.name));
     }
 }
 
