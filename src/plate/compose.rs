@@ -14,6 +14,7 @@ use super::vectors::compose_vectors;
 use super::visible_samples::visible_samples;
 use super::{Filter, Planes, PlateReport, Semantic};
 use crate::image::{Channel, Plate};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -122,12 +123,31 @@ fn compose_colors(
         let bad = bad.not_finite();
         report.contained_samples += bad.nan + bad.infinite;
     }
-    let colors = colors(composite, &sources, &group.occlusion, compositor.by(filter));
+    let mut colors = colors(composite, &sources, &group.occlusion, compositor.by(filter));
+    let alpha = entries.iter().position(|entry| entry.class.semantic == Semantic::Alpha);
+    if let Some(alpha) = alpha.filter(|_| filter == Filter::Ewa && group.occlusion.has_parts()) {
+        bound_alpha(&mut colors, alpha, &sources[alpha]);
+    }
     for (entry, mut color) in entries.into_iter().zip(colors) {
         if let Some((holes, filling)) = group.occlusion.holes.as_ref().zip(compositor.fill(entry, composite, filter)) {
             add_behind(&mut color, holes, &filling);
         }
         planes.insert(entry.index, color);
+    }
+}
+
+/// Scales the pixels whose alpha exceeds all alpha of the source: parts of a layer that are pushed together cover soft pixels more than
+/// once.
+fn bound_alpha(colors: &mut [Vec<f32>], alpha: usize, source: &[f32]) {
+    let most = source.iter().copied().fold(1.0, f32::max);
+    let scale = |alpha: &f32| if *alpha > most { most / alpha } else { 1.0 };
+    let scales: Vec<f32> = colors[alpha].par_iter().map(scale).collect();
+    for color in colors {
+        color
+            .par_iter_mut()
+            .zip(&scales)
+            .filter(|(_, scale)| **scale < 1.0)
+            .for_each(|(sample, scale)| *sample *= scale);
     }
 }
 

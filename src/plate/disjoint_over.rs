@@ -34,6 +34,13 @@ pub(super) struct Occlusion {
     pub(super) holes: Option<Vec<f32>>,
 }
 
+impl Occlusion {
+    /// Whether a layer is made of parts.
+    pub(super) fn has_parts(&self) -> bool {
+        self.runs.iter().any(|run| run.transmittance.is_some())
+    }
+}
+
 /// One layer, or the parts of one layer.
 #[derive(Clone, Debug)]
 pub(super) struct Run {

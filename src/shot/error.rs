@@ -82,7 +82,9 @@ impl ShotError {
 /// Returns what the user can do about a file that cannot be read.
 fn remedy(kind: std::io::ErrorKind) -> &'static str {
     match kind {
-        std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
+        std::io::ErrorKind::InvalidData => {
+            "a shot is UTF-8 text (.toml); `pinwarp new` makes one for a scene or picture"
+        }
         std::io::ErrorKind::InvalidInput | std::io::ErrorKind::FileTooLarge => "give a shot file (.toml)",
         _ => "check the path and its permissions",
     }

@@ -162,6 +162,7 @@ fn nuke_gets_a_script_beside_its_maps() {
 #[test]
 fn after_effects_gets_elements_maps_and_their_settings() {
     let bench = Bench::new();
+    bench.run("export shot.toml --to after-effects -o ae/x.####.exr").says(2, &["without a frame counter"]);
     let told = bench.run("export shot.toml --to after-effects -o ae/shot").says(0, &[]);
     // The pin moves by (.1, .05) of 36 lines.
     assert!(told.stdout.contains("max displacement 4 px, steps of 0.00012 px"), "{told:?}");

@@ -39,7 +39,7 @@ fn not_toml() {
 fn not_text() {
     let bench = Bench::new();
     bench.write("shot.toml", b"# caf\xe9\nversion = 1\n");
-    bench.render("").says(2, &["shot.toml", "UTF-8"]);
+    bench.render("").says(2, &["shot.toml", "UTF-8", "pinwarp new"]);
 }
 
 #[test]

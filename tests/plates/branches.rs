@@ -37,6 +37,7 @@ fn apart(plate: &Frame, geometry: &Frame) -> Apart {
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let sample = |frame: &Frame, channel: &str| at(frame, channel, x, y).unwrap_or(0.0);
         let [ours, theirs] = [plate, geometry].map(|frame| sample(frame, "A"));
+        assert!(ours < 1.0 + 1e-4, "alpha {ours} at {x}, {y}");
         let gap = |channel: &str| (sample(plate, channel) - sample(geometry, channel)).abs();
         found.covered += usize::from(theirs > 0.5);
         if (ours - theirs).abs() > 0.5 {

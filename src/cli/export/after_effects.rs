@@ -23,6 +23,12 @@ const MAX_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
+    if stem.to_string_lossy().contains(['#', '%']) {
+        let stem = stem.display();
+        bail!(
+            "-o {stem}: this export writes several sequences; give the start of their names, without a frame counter"
+        );
+    }
     let (maps, prepared) = Maps::open(args)?;
     let maps = maps.by_layer();
     // All outputs are checked before any is written.

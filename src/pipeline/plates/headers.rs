@@ -50,7 +50,7 @@ fn check_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineErro
         Some((path, fault)) => format!("cannot read {}: {fault}", path.display()),
         None => {
             let path = source.path_of(first);
-            format!("cannot read {}: it is not there, nor is any other frame of it", path.display())
+            format!("cannot read {}: it is not there, nor is any other of the frames to warp", path.display())
         }
     };
     Err(PipelineError::Unusable { what, hint: "check the path".into() })
