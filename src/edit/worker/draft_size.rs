@@ -5,7 +5,7 @@
 use crate::space::FrameSize;
 
 /// Largest divisor of the frame's size.
-const MAX_PARTS: u32 = 4;
+pub(super) const MAX_PARTS: u32 = 4;
 
 /// Fraction of a full-size picture's time that does not depend on its pixels.
 const FIXED: f64 = 0.25;
@@ -28,9 +28,9 @@ impl DraftSize {
         FrameSize { width: part(frame.width), height: part(frame.height), ..frame }
     }
 
-    /// Returns whether even the smallest size takes more than twice the budget.
-    pub(super) fn exceeds(self, longest_ms: f64) -> bool {
-        self.full_ms.is_some_and(|full| full * share(MAX_PARTS) > 2.0 * longest_ms)
+    /// Returns the estimated milliseconds of the smallest size; `None` until a picture was drawn.
+    pub(super) fn least_ms(self) -> Option<f64> {
+        Some(self.full_ms? * share(MAX_PARTS))
     }
 
     /// Updates the estimate with a measured time.
@@ -59,7 +59,7 @@ mod tests {
             size.learn(frame, frame, 400.0);
         }
         assert_eq!(size.within(frame, 25.0).height, 271);
-        assert!(size.exceeds(50.0) && !size.exceeds(100.0));
+        assert!(size.least_ms().is_some_and(|least| (100.0..200.0).contains(&least)));
         for _ in 0..8 {
             size.learn(frame, size.within(frame, 25.0), 4.0);
         }

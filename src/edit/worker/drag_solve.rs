@@ -77,6 +77,11 @@ impl DragSolve {
         &self.sample
     }
 
+    /// Whether the pictures of the layers have been drawn.
+    pub(super) const fn has_still(&self) -> bool {
+        self.still.is_some()
+    }
+
     /// Returns the frame with the dragged layers warped as pictures, in place of drawing it; `None` if that is not possible.
     pub(super) fn warped(
         &mut self,

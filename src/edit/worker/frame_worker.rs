@@ -2,7 +2,7 @@
 //!
 //! In: an [`Inbox`]. Out: replies through a [`ReplySender`]. Long operations poll for a newer job.
 
-use super::draft_size::DraftSize;
+use super::draft_size::{DraftSize, MAX_PARTS};
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
 use super::mail::{Inbox, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
@@ -27,8 +27,8 @@ const PLAY_MS: f64 = 30.0;
 /// Time budget of the first draft of a displayed frame, in milliseconds.
 const LOOK_MS: f64 = 80.0;
 
-/// Divisor of the frame's size at which pictures are warped in place of drawing the scene.
-const STILL_PARTS: u32 = 2;
+/// Time of the smallest draft above which pictures of the layers are warped in place of drawing the scene, in milliseconds.
+const SLOW_MS: f64 = 150.0;
 
 /// Idle time before the files are checked for changes.
 const WATCH: Duration = Duration::from_secs(1);
@@ -40,6 +40,8 @@ pub(super) struct FrameWorker {
     device: Option<Box<dyn Raster + Send>>,
     drag: Option<DragSolve>,
     drafts: DraftSize,
+    /// Milliseconds that warping pictures of the layers took last, 0 before.
+    still_ms: f64,
     jerk: JerkMeter,
     /// The last solve, for questions.
     seen: Option<Arc<TimeSample>>,
@@ -64,6 +66,7 @@ impl FrameWorker {
             device,
             drag,
             drafts: DraftSize::default(),
+            still_ms: 0.0,
             jerk: JerkMeter::default(),
             seen,
             watch: FileWatch::default(),
@@ -141,7 +144,7 @@ impl FrameWorker {
             if open.prepared().needs_raster() {
                 self.device = Some(raster::open(&self.choice, &open.prepared().scene)?.0);
             }
-            (self.drafts, self.jerk) = (DraftSize::default(), JerkMeter::default());
+            (self.drafts, self.still_ms, self.jerk) = (DraftSize::default(), 0.0, JerkMeter::default());
             self.watch = FileWatch::of(open);
         }
         if rework >= Rework::Pins {
@@ -241,7 +244,8 @@ impl FrameWorker {
         sender.send(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
-        if !(self.drafts.exceeds(left_ms) && self.warp_still(job, &mut drag, sender)?) {
+        let is_slow = self.drafts.least_ms().is_some_and(|least| least > SLOW_MS && least > self.still_ms);
+        if !(is_slow && self.warp_still(job, &mut drag, sender)?) {
             let quality = Quality::Provisional;
             self.draw((job.frame, job), (drag.sample(), drag.at_rest(), quality), left_ms, sender)?;
         }
@@ -253,10 +257,15 @@ impl FrameWorker {
     fn warp_still(&mut self, job: &Job, drag: &mut DragSolve, sender: &ReplySender) -> Result<bool, PipelineError> {
         let Some((open, device)) = self.open.as_ref().zip(self.device.as_deref_mut()) else { return Ok(false) };
         let prepared = open.prepared();
-        let part = |side: u32| side.div_ceil(STILL_PARTS);
+        let part = |side: u32| side.div_ceil(MAX_PARTS);
         let full = prepared.shot.size;
         let size = FrameSize { width: part(full.width), height: part(full.height), ..full };
+        let is_drawn = drag.has_still();
+        let begun = Instant::now();
         let Some(frame) = drag.warped(prepared, device, size)? else { return Ok(false) };
+        if is_drawn {
+            self.still_ms = begun.elapsed().as_secs_f64() * 1e3;
+        }
         let picture = Picture::of(&frame, (job.frame, job.revision), Quality::Provisional);
         sender.send(Reply::Drawn(Arc::new(picture)));
         Ok(true)
