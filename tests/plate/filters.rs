@@ -98,13 +98,13 @@ fn filters_are_those_of_other_programs() {
 fn a_tear_at_the_border_of_the_map_does_not_widen_the_filter() {
     let (source, _) = warp();
     let [width, height] = [FRAME.width as usize, FRAME.height as usize];
-    let sides: [(&str, &dyn Fn(usize, usize) -> bool, f32); 4] = [
-        ("top", &|_, y| y == 0, 2.0),
-        ("bottom", &|_, y| y + 1 == height, -2.0),
-        ("left", &|x, _| x == 0, 2.0),
-        ("right", &|x, _| x + 1 == width, -2.0),
-    ];
-    for (name, is_apart, by) in sides {
+    for (name, by) in [("top", 2.0), ("bottom", -2.0), ("left", 2.0), ("right", -2.0)] {
+        let is_apart = |x: usize, y: usize| match name {
+            "top" => y == 0,
+            "bottom" => y + 1 == height,
+            "left" => x == 0,
+            _ => x + 1 == width,
+        };
         let mut map = WarpMap::identity(FRAME, FRAME.window());
         for (index, offset) in map.offsets.iter_mut().enumerate() {
             *offset = if is_apart(index % width, index / width) { [by; 2] } else { [20.0 * by; 2] };

@@ -384,9 +384,8 @@ fn small_islands_are_drawn() {
     // Dots beside a body, and dots alone.
     let dots = |x: f32, y: f32| f32::from(u8::from(x.rem_euclid(5.0) < 1.6 && y.rem_euclid(5.0) < 1.6));
     let body = |x: f32, y: f32| f32::from(u8::from(x < 40.0 && y > 20.0 && y < 50.0));
-    let drawings: [(&str, &dyn Fn(f32, f32) -> f32); 2] =
-        [("body", &|x, y| dots(x, y).max(body(x, y))), ("dots", &|x, y| dots(x, y))];
-    for (name, drawing) in drawings {
+    let both = |x: f32, y: f32| dots(x, y).max(body(x, y));
+    for (name, drawing) in [("body", &both as &dyn Fn(f32, f32) -> f32), ("dots", &dots)] {
         let wall = Wall::new();
         wall.hang("dots.exr", SIZE, drawn(SIZE, "", drawing));
         let pins = [(12.0, 32.0), (32.0, 32.0), (37.0, 47.0)].map(|(x, y)| {
