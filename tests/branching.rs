@@ -103,6 +103,32 @@ fn a_rigid_motion_of_all_pins_is_one_of_all_branches() {
     }
 }
 
+/// As where a model reaches through the near plane: its projection extends far beyond the box.
+#[test]
+fn points_far_outside_the_box_move_with_the_nearest_of_their_own_piece() {
+    let girl = Puppet::girl();
+    let near = girl.mesh(SPACING);
+    let mut grid = grid_over(&near, [24, 24]);
+    grid.lo[1] = f64::midpoint(grid.lo[1], grid.hi[1]);
+    let middle = f64::midpoint(grid.lo[0], grid.hi[0]);
+    let far = |&[x, y]: &[f64; 2]| {
+        let factor = if y < grid.lo[1] { 1.0 + 1e4 * (grid.lo[1] - y) } else { 1.0 };
+        [middle + factor * (x - middle), grid.lo[1] + factor * (y - grid.lo[1])]
+    };
+    let shape = Shape { points: near.points.iter().map(far).collect(), ..near };
+    let settings = Settings { topology: Topology::Branching, ..Settings::default() };
+    let by = [0.03, -0.02];
+    let pins = girl.pins().into_iter().filter(|pin| pin.at[1] > grid.lo[1]);
+    let pins: Vec<_> = pins.map(|pin| PointPin { target: [pin.at[0] + by[0], pin.at[1] + by[1]], ..pin }).collect();
+    let problem = Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings };
+    let solution = solve(&problem).expect("a right problem");
+    assert!(solution.branches.as_ref().is_some_and(|branches| branches.branch_count() > 2));
+    for (triangle, corner) in shape.triangles.iter().enumerate().flat_map(|(k, corners)| corners.map(|c| (k, c))) {
+        let (found, [x, y]) = (image(&solution, &shape, triangle, corner), shape.points[corner as usize]);
+        assert!(gap(found, [x + by[0], y + by[1]]) < 1e-6, "triangle {triangle}: {found:?} instead of {x}, {y}");
+    }
+}
+
 #[test]
 fn without_parts_that_are_apart_the_lattice_is_the_plain_one_to_the_bit() {
     let side = 12_u32;

@@ -260,17 +260,29 @@ impl<const D: usize> BranchedLattice<D> {
         self.branching.branches[branch][handle].map(|copy| self.copies[copy])
     }
 
-    /// The image of a point of a branch.
+    /// The image of a point of a branch. Rounding may assign a point at the border of a piece to a branch that lacks copies of
+    /// some handles there: the other handles then displace it.
     pub(crate) fn evaluate_in(&self, branch: usize, point: [f64; D]) -> [f64; D] {
+        let grid = &self.branching.grid;
         let copies = &self.branching.branches[branch];
-        let inside = self.branching.grid.clamp_to_box(point);
+        let inside = grid.clamp_to_box(point);
         let mut image: [f64; D] = std::array::from_fn(|d| point[d] - inside[d]);
-        self.branching.grid.for_each_weight(inside, |term| {
-            if let Some(copy) = copies[term.handle] {
-                (0..D).for_each(|d| image[d] += term.weight * self.copies[copy][d]);
-            }
+        let mut is_whole = true;
+        grid.for_each_weight(inside, |term| match copies[term.handle] {
+            Some(copy) => (0..D).for_each(|d| image[d] += term.weight * self.copies[copy][d]),
+            None => is_whole = false,
         });
-        image
+        if is_whole {
+            return image;
+        }
+        let (mut total, mut moved) = (0.0, [0.0; D]);
+        grid.for_each_weight(inside, |term| {
+            let Some(copy) = copies[term.handle] else { return };
+            let rest = grid.rest_handle(term.handle);
+            total += term.weight;
+            (0..D).for_each(|d| moved[d] += term.weight * (self.copies[copy][d] - rest[d]));
+        });
+        if total > 0.0 { std::array::from_fn(|d| point[d] + moved[d] / total) } else { point }
     }
 
     /// The folds of all branches, each counted in the cells that contain a part of it.

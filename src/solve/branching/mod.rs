@@ -197,6 +197,8 @@ impl<const D: usize> Branching<D> {
         let first = self.first_cuts[triangles.start] as usize;
         let cuts = self.cuts[first..self.first_cuts[triangles.end] as usize].iter().enumerate();
         let point = self.grid.upright_from_point(*point);
+        // What lies outside the box belongs to the nearest cell.
+        let point: [f64; D] = std::array::from_fn(|axis| point[axis].clamp(self.grid.lo[axis], self.grid.hi[axis]));
         let gap = |cut: &Cut<D>| {
             let place = self.grid.cell_coords(cut.cell);
             let outside = (0..D).map(|axis| {
