@@ -61,6 +61,12 @@ impl WarpedLayer {
         }
         Cow::Owned(composite.source.resized_samples(plane, self.reach, 0.0))
     }
+
+    /// Whether the layer has something visible at a sample of the source. `alpha`: #pixels of the source; `None`: opaque.
+    fn covers(&self, source: usize, alpha: Option<&[f32]>) -> bool {
+        let of = |plane: Option<&[f32]>| plane.map_or(1.0, |plane| plane[source]);
+        of(self.matte.coverage.as_deref()) * of(alpha) > MIN_VISIBLE
+    }
 }
 
 impl Composite<'_> {
@@ -156,8 +162,7 @@ impl Composite<'_> {
     /// Returns the pixels, as indices into the window, on and around which visible pixels of a layer land flipped.
     fn flipped_targets(&self, field: PixelField, layer: &WarpedLayer, alpha: Option<&[f32]>) -> BTreeSet<usize> {
         let target = |source: usize| {
-            let covered = layer.matte.coverage.as_deref().map_or(1.0, |coverage| coverage[source]);
-            if covered * alpha.map_or(1.0, |alpha| alpha[source]) <= MIN_VISIBLE {
+            if !layer.covers(source, alpha) {
                 return None;
             }
             let [x, y] = self.source.pixel_at(source);
@@ -171,8 +176,6 @@ impl Composite<'_> {
 
     /// Whether a layer is visible at a pixel.
     fn is_visible(&self, layer: &WarpedLayer, pixel: [i32; 2], alpha: Option<&[f32]>) -> bool {
-        let of = |plane: Option<&[f32]>, source: usize| plane.map_or(1.0, |plane| plane[source]);
-        self.source_of(layer, pixel)
-            .is_some_and(|source| of(layer.matte.coverage.as_deref(), source) * of(alpha, source) > MIN_VISIBLE)
+        self.source_of(layer, pixel).is_some_and(|source| layer.covers(source, alpha))
     }
 }

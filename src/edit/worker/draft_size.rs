@@ -5,7 +5,7 @@
 use crate::space::FrameSize;
 
 /// Largest divisor of the frame's size.
-pub(super) const MAX_PARTS: u32 = 4;
+const MAX_PARTS: u32 = 4;
 
 /// Fraction of a full-size picture's time that does not depend on its pixels.
 const FIXED: f64 = 0.25;
@@ -24,8 +24,12 @@ impl DraftSize {
             None => 2,
             Some(full) => (1..MAX_PARTS).find(|parts| full * share(*parts) <= longest_ms).unwrap_or(MAX_PARTS),
         };
-        let part = |side: u32| side.div_ceil(parts).max(1);
-        FrameSize { width: part(frame.width), height: part(frame.height), ..frame }
+        divided(frame, parts)
+    }
+
+    /// Returns the smallest size.
+    pub(super) fn least(frame: FrameSize) -> FrameSize {
+        divided(frame, MAX_PARTS)
     }
 
     /// Returns the estimated milliseconds of the smallest size; `None` until a picture was drawn.
@@ -39,6 +43,11 @@ impl DraftSize {
         let full = took_ms / share(parts);
         self.full_ms = Some(self.full_ms.map_or(full, |known| 0.5 * (known + full)));
     }
+}
+
+fn divided(frame: FrameSize, parts: u32) -> FrameSize {
+    let part = |side: u32| side.div_ceil(parts).max(1);
+    FrameSize { width: part(frame.width), height: part(frame.height), ..frame }
 }
 
 /// Returns the fraction of a full-size picture's time that a smaller one takes.

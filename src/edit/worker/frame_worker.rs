@@ -2,7 +2,7 @@
 //!
 //! In: an [`Inbox`]. Out: replies through a [`ReplySender`]. Long operations poll for a newer job.
 
-use super::draft_size::{DraftSize, MAX_PARTS};
+use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
 use super::mail::{Inbox, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
@@ -257,9 +257,7 @@ impl FrameWorker {
     fn warp_still(&mut self, job: &Job, drag: &mut DragSolve, sender: &ReplySender) -> Result<bool, PipelineError> {
         let Some((open, device)) = self.open.as_ref().zip(self.device.as_deref_mut()) else { return Ok(false) };
         let prepared = open.prepared();
-        let part = |side: u32| side.div_ceil(MAX_PARTS);
-        let full = prepared.shot.size;
-        let size = FrameSize { width: part(full.width), height: part(full.height), ..full };
+        let size = DraftSize::least(prepared.shot.size);
         let is_drawn = drag.has_still();
         let begun = Instant::now();
         let Some(frame) = drag.warped(prepared, device, size)? else { return Ok(false) };
