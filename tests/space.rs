@@ -1,7 +1,10 @@
 //! Lattices in space: Newton's method with conjugate gradients converges, where local-global steps would end, too.
 
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::solve::{Guard, PointPin, Problem, Settings, Shape, Solution, solve};
+use pinwarp::solve::{
+    Cancel, Coupling, Guard, ModelPoint, PointPin, Problem, Settings, Shape, Solution, SolveError, Targets,
+    TimedProblem, Timeline, Trajectory, solve,
+};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A ball of radius 1, or a tube of it along y: rings at heights and radii, closed by points at both ends.
@@ -113,6 +116,67 @@ fn solves_do_not_depend_on_the_number_of_threads() {
         pool.install(|| solved(&grid, &shape, &pins, &Settings::default()).lattice)
     };
     assert_eq!(alone(1), alone(3));
+}
+
+/// A ball whose upper ring of pins is turned by 144 degrees.
+struct TwistedBall {
+    shape: Shape<3>,
+    settings: Settings,
+}
+
+/// Frames of the twist.
+const FRAMES: f64 = 8.0;
+
+impl Timeline<3> for TwistedBall {
+    type Error = SolveError;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn at(&self, time: f64) -> Result<Option<TimedProblem<3>>, SolveError> {
+        let pins = turned(0.6, [(-0.8, 0.0), (0.8, 0.8 * PI * time / FRAMES)].into_iter());
+        let points = self.shape.points.iter().step_by(8).map(|&at| ModelPoint { at, triangle: None }).collect();
+        let path = vec![Targets { pins, handles: Vec::new() }];
+        Ok(Some(TimedProblem { grid: cube(5), shape: self.shape.clone(), path, points, drawing: 0 }))
+    }
+}
+
+impl TwistedBall {
+    fn at(&self, trajectory: &Trajectory<3>, time: f64) -> Solution<3> {
+        let problem = Timeline::at(self, time).expect("a problem").expect("pins act");
+        let solution = trajectory.solve_at(time, problem, &self.settings, &Cancel::never()).expect("solved");
+        let report = &solution.report;
+        assert!(report.is_converged && report.iterations < 60, "{} iterations in frame {time}", report.iterations);
+        solution
+    }
+
+    /// How far a point jumps between two times: the half in which it moves farther is halved again.
+    fn jump(&self, trajectory: &Trajectory<3>, [from, to]: [(f64, &Solution<3>); 2]) -> f64 {
+        let moved = gap(from.1, to.1, &self.shape);
+        if moved < 0.01 || to.0 - from.0 < 1e-6 {
+            return moved;
+        }
+        let time = f64::midpoint(from.0, to.0);
+        let middle = self.at(trajectory, time);
+        let is_first = gap(from.1, &middle, &self.shape) > gap(&middle, to.1, &self.shape);
+        let half = if is_first { [from, (time, &middle)] } else { [(time, &middle), to] };
+        self.jump(trajectory, half)
+    }
+}
+
+#[test]
+fn a_ball_that_is_twisted_over_time_converges_at_all_times_and_does_not_jump() {
+    let ball = TwistedBall { shape: ball(), settings: Settings::default() };
+    let coupling = Coupling { first: 0.0, last: FRAMES, knots_per_frame: 1, weight: 0.3, least_speed: 1e-3 };
+    let trajectory = Trajectory::solve(&ball, coupling, &Cancel::never()).expect("solved");
+    let solved = |k: u32| (f64::from(k) / 8.0, ball.at(&trajectory, f64::from(k) / 8.0));
+    let solutions: Vec<(f64, Solution<3>)> = (0..=8 * FRAMES as u32).map(solved).collect();
+    // The pins move by 0.024 between two of these times.
+    let fast = solutions.windows(2).map(|pair| [(pair[0].0, &pair[0].1), (pair[1].0, &pair[1].1)]);
+    let fast = fast.filter(|[from, to]| gap(from.1, to.1, &ball.shape) > 0.06);
+    let jump = fast.map(|pair| ball.jump(&trajectory, pair)).fold(0.0, f64::max);
+    assert!(jump < 0.01, "{jump}");
 }
 
 /// A ball held by six pins, one of which is pulled out, or in, in any direction by up to its radius.

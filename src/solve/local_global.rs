@@ -70,7 +70,9 @@ impl<const D: usize> Minimization<'_, D> {
                 return self.newton(&next, iteration, &mut |iterate| notify(iterate, iterate));
             }
             if self.should_switch_in_space((iteration, step)) {
-                let solved = self.newton_in_space(&next, iteration, &mut |iterate| notify(iterate, iterate))?;
+                let limit = self.settings.iteration_limit;
+                let solved =
+                    self.newton_in_space(&next, (iteration, limit), &mut |iterate| notify(iterate, iterate))?;
                 if let Some(result) = solved {
                     return Ok(result);
                 }

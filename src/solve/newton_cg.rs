@@ -47,6 +47,10 @@ const CERTAIN: f64 = 0.1;
 /// Length of a step, in box diagonals, below which it is rounding error.
 const AT_REST: f64 = 1e-10;
 
+/// The solve ends where a local-global step promises to lower the energy by less than this fraction of it. A step that promises
+/// more, or even a rise, then follows rounding errors: stiff terms drown those that determine soft handles.
+const ROUNDING: f64 = 1e-13;
+
 type Vectors<const D: usize> = Vec<[f64; D]>;
 
 impl<const D: usize> Minimization<'_, D> {
@@ -57,12 +61,12 @@ impl<const D: usize> Minimization<'_, D> {
         is_wanted && step > rest && (number >= FIRST_STEPS || step <= NEAR * self.diagonal)
     }
 
-    /// Continues from `handles`. `iterations` is the number of linear solves so far; each step counts as one. Returns `None` if
-    /// the energy does not implement its second derivative in 3D. `notify` receives every iterate and the result.
+    /// Continues from `handles`. `iterations` is the number of linear solves so far; each step counts as one, up to `limit`.
+    /// Returns `None` if the energy does not implement its second derivative in 3D. `notify` receives every iterate and the result.
     pub(crate) fn newton_in_space(
         &self,
         handles: &[[f64; D]],
-        mut iterations: usize,
+        (mut iterations, limit): (usize, usize),
         notify: &mut dyn FnMut(&[[f64; D]]),
     ) -> Result<Option<MinimizationResult<D>>, Cancelled> {
         let constant = self.constant_right_side();
@@ -76,7 +80,7 @@ impl<const D: usize> Minimization<'_, D> {
             last_square: f64::INFINITY,
         };
         let mut is_converged = false;
-        while !is_converged && iterations < self.settings.iteration_limit {
+        while !is_converged && iterations < limit {
             iterations += 1;
             let Some(outcome) = descent.step()? else { return Ok(None) };
             is_converged = outcome;
@@ -157,6 +161,9 @@ impl<const D: usize> Descent<'_, D> {
         let mut residual = self.state.right_side.clone();
         problem.normal.subtract_matvec(&self.state.handles, &mut residual);
         let Direction { by, first, is_solved, curve } = self.direction(residual, &response)?;
+        if self.last_square <= ROUNDING * self.state.energy {
+            return Ok(Some(true));
+        }
         if curve.is_some() && length(&first) <= SYMMETRIC * problem.step_tolerance() {
             self.min_level = 1;
             self.level = 1;

@@ -32,9 +32,9 @@ const SWEEPS: usize = 40;
 /// Largest number of changes of the weights.
 const MAX_WEIGHT_UPDATES: usize = 30;
 
-/// Number of relaxations for each knot after which a chain stays as it is, in the plane and in space, where one takes a hundred times as
+/// Number of relaxations for each knot after which a chain stays as it is, in the plane and in space, where one takes ten times as
 /// long. In the plane hardly any chain needs a third of them.
-const MAX_RELAXATIONS: [usize; 2] = [1000, 30];
+const MAX_RELAXATIONS: [usize; 2] = [1000, 100];
 
 /// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
@@ -249,10 +249,10 @@ impl<'a, const D: usize> Chain<'a, D> {
             self.cancel.check()?;
             let is_due = |hold: &usize| hold % 2 == half_sweep % 2 && std::mem::take(&mut is_stale[*hold]);
             let due: Vec<usize> = (0..count).filter(is_due).collect();
-            for (hold, moved) in self.relax(&due)? {
+            for (hold, Relaxed { moved, is_converged }) in self.relax(&due)? {
                 if moved > tolerance * self.diagonal {
                     is_stale[hold.saturating_sub(1)..(hold + 2).min(count)].fill(true);
-                    is_stale[hold] = false;
+                    is_stale[hold] = !is_converged;
                 }
             }
             self.remaining = self.remaining.saturating_sub(due.len());
@@ -265,7 +265,7 @@ impl<'a, const D: usize> Chain<'a, D> {
 
     /// Minimises over each of these holds, no two of which are neighbours, with all others fixed; returns them with the largest
     /// move of their points. The knots of a hold have one state, whose energy counts for each of them.
-    fn relax(&mut self, due: &[usize]) -> Result<Vec<(usize, f64)>, SolveError> {
+    fn relax(&mut self, due: &[usize]) -> Result<Vec<(usize, Relaxed)>, SolveError> {
         let mut taken: Vec<(usize, Range<usize>, Option<Knot<D>>)> = Vec::with_capacity(due.len());
         for &hold in due {
             let range = self.knots_of(hold);
@@ -275,7 +275,9 @@ impl<'a, const D: usize> Chain<'a, D> {
         let (knots, weights, settled) = (&self.knots, &self.weights, self.settled);
         let relaxed = taken.par_iter_mut().map(|(hold, range, knot)| {
             let states = [range.start.checked_sub(1), Some(range.end)].map(|index| state(knots, index));
-            let Some(knot) = knot.as_mut().filter(|_| range.start >= settled) else { return Ok((*hold, 0.0)) };
+            let Some(knot) = knot.as_mut().filter(|_| range.start >= settled) else {
+                return Ok((*hold, Relaxed::NONE));
+            };
             let beside = [weights_beside(weights, range.start)[0], weights_beside(weights, range.end - 1)[1]];
             Ok((*hold, relax(knot, states, beside.map(|weight| weight / range.len() as f64))?))
         });
@@ -429,22 +431,35 @@ fn weights_beside(weights: &[f64], index: usize) -> [f64; 2] {
     [weight(index.checked_sub(1)), weight(Some(index))]
 }
 
-/// Minimises over a knot whose neighbours have these states and weights; returns the largest move of its points.
+/// What a relaxation has done to a knot.
+#[derive(Clone, Copy, Debug)]
+struct Relaxed {
+    /// Largest move of its points.
+    moved: f64,
+    /// Whether its minimum was reached.
+    is_converged: bool,
+}
+
+impl Relaxed {
+    const NONE: Self = Self { moved: 0.0, is_converged: true };
+}
+
+/// Minimises over a knot whose neighbours have these states and weights.
 fn relax<const D: usize>(
     knot: &mut Knot<D>,
     states: [Option<&Displacement<D>>; 2],
     weights: [f64; 2],
-) -> Result<f64, SolveError> {
+) -> Result<Relaxed, SolveError> {
     let weight = weights[0] + weights[1];
     if weight == 0.0 || knot.holds_rest {
-        return Ok(0.0);
+        return Ok(Relaxed::NONE);
     }
     let drawn_to = match states {
         [Some(before), Some(after)] => before.interpolated(after, weights[1] / weight),
         [Some(only), None] | [None, Some(only)] => only.clone(),
-        [None, None] => return Ok(0.0),
+        [None, None] => return Ok(Relaxed::NONE),
     };
     let before = knot.displacement.clone();
-    knot.solve_proximal((&drawn_to.points, weight), Descent::Warm, &Cancel::never())?;
-    Ok(before.farthest(&knot.displacement))
+    let result = knot.solve_proximal((&drawn_to.points, weight), Descent::Warm, &Cancel::never())?;
+    Ok(Relaxed { moved: before.farthest(&knot.displacement), is_converged: result.is_converged })
 }

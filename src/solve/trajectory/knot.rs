@@ -26,6 +26,9 @@ const REST_TOLERANCE: f64 = 0.01;
 /// Angle, in radians, below which a rotation is rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Number of Newton steps of a warm solve in space. Neighbours move meanwhile, so converging against them would be wasted.
+const STEPS_IN_SPACE: usize = 2;
+
 /// The problem of one time with its proximal term.
 #[derive(Debug)]
 pub(crate) struct Knot<const D: usize> {
@@ -69,7 +72,8 @@ pub(crate) struct Proximal<const D: usize> {
 pub(crate) enum Descent {
     /// From a state that may be far from the minimum.
     Cold,
-    /// From a state near the minimum, with the factorisation of the previous solve.
+    /// From a state near the minimum: in the plane with the factorisation of the previous solve, in space by a few steps, which may
+    /// not reach the minimum.
     Warm,
 }
 
@@ -229,11 +233,17 @@ impl<const D: usize> Knot<D> {
         let initial = self.handles();
         let targets = self.system.own_targets();
         let minimization = self.system.minimization(&targets, cancel);
-        let result = if descent == Descent::Warm && minimization.has_newton() {
-            minimization.newton_from(initial, &mut self.factor, usize::MAX)
-        } else {
-            Minimization { initial: Some(&initial), ..minimization }.run(None)
-        }?;
+        let result = match descent {
+            Descent::Warm if minimization.has_newton() => {
+                Some(minimization.newton_from(initial.clone(), &mut self.factor, usize::MAX)?)
+            }
+            Descent::Warm if D == 3 => minimization.newton_in_space(&initial, (0, STEPS_IN_SPACE), &mut |_| ())?,
+            _ => None,
+        };
+        let result = match result {
+            Some(result) => result,
+            None => Minimization { initial: Some(&initial), ..minimization }.run(None)?,
+        };
         self.set_state(&result.handles);
         Ok(result)
     }
