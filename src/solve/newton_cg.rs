@@ -47,8 +47,8 @@ const CERTAIN: f64 = 0.1;
 /// Length of a step, in box diagonals, below which it is rounding error.
 const AT_REST: f64 = 1e-10;
 
-/// The solve ends where a local-global step promises to lower the energy by less than this fraction of it. A step that promises
-/// more, or even a rise, then follows rounding errors: stiff terms drown those that determine soft handles.
+/// The solve ends where a local-global step promises to lower the energy by less than this fraction of it, or even to raise it.
+/// Further steps would follow rounding errors: stiff terms drown those that determine soft handles.
 const ROUNDING: f64 = 1e-13;
 
 type Vectors<const D: usize> = Vec<[f64; D]>;
@@ -160,10 +160,8 @@ impl<const D: usize> Descent<'_, D> {
         let Some(response) = problem.distortion.rotation_response(&self.state.handles, limit) else { return Ok(None) };
         let mut residual = self.state.right_side.clone();
         problem.normal.subtract_matvec(&self.state.handles, &mut residual);
-        let Direction { by, first, is_solved, curve } = self.direction(residual, &response)?;
-        if self.last_square <= ROUNDING * self.state.energy {
-            return Ok(Some(true));
-        }
+        let Some(direction) = self.direction(residual, &response)? else { return Ok(Some(true)) };
+        let Direction { by, first, is_solved, curve } = direction;
         if curve.is_some() && length(&first) <= SYMMETRIC * problem.step_tolerance() {
             self.min_level = 1;
             self.level = 1;
@@ -234,12 +232,12 @@ impl<const D: usize> Descent<'_, D> {
         next
     }
 
-    /// Solves for a step by preconditioned conjugate gradients.
+    /// Solves for a step by preconditioned conjugate gradients; `None` if only rounding errors are left.
     fn direction(
         &mut self,
         mut residual: Vectors<D>,
         response: &RotationResponse<D>,
-    ) -> Result<Direction<D>, Cancelled> {
+    ) -> Result<Option<Direction<D>>, Cancelled> {
         let Minimization { distortion, scales, cancel, .. } = *self.problem;
         let mut scratch = Vec::new();
         let first = self.problem.preconditioned(&residual, &mut scratch);
@@ -250,6 +248,9 @@ impl<const D: usize> Descent<'_, D> {
         let shrunk = if self.last_square.is_finite() { 0.9 * square / self.last_square } else { FORCING[0] };
         self.forcing = shrunk.clamp(FORCING[1], FORCING[0]);
         self.last_square = square;
+        if square <= ROUNDING * self.state.energy {
+            return Ok(None);
+        }
         let (target, tolerance) = (self.forcing.powi(2) * square, self.problem.step_tolerance());
         for number in 0..DIRECTIONS {
             let mut product = image.clone();
@@ -258,7 +259,7 @@ impl<const D: usize> Descent<'_, D> {
             let curvature = dot(&along, &product);
             if curvature.is_nan() || curvature <= FLAT * dot(&along, &image) {
                 let by = if number == 0 { first.clone() } else { by };
-                return Ok(Direction { by, first, is_solved: false, curve: Some(along) });
+                return Ok(Some(Direction { by, first, is_solved: false, curve: Some(along) }));
             }
             let share = square / curvature;
             add(&mut by, share, &along);
@@ -268,16 +269,16 @@ impl<const D: usize> Descent<'_, D> {
             let is_certain = share * length(&along) <= CERTAIN * tolerance;
             let reached = length(&by);
             if reached > LONGEST * self.problem.diagonal {
-                return Ok(Direction { by, first, is_solved: false, curve: None });
+                return Ok(Some(Direction { by, first, is_solved: false, curve: None }));
             }
             if square <= target && (is_certain || reached > 2.0 * tolerance) || square <= 0.0 {
-                return Ok(Direction { by, first, is_solved: true, curve: None });
+                return Ok(Some(Direction { by, first, is_solved: true, curve: None }));
             }
             let kept = square / last;
             scale_add(&mut along, kept, &next);
             scale_add(&mut image, kept, &residual);
         }
-        Ok(Direction { by, first, is_solved: false, curve: None })
+        Ok(Some(Direction { by, first, is_solved: false, curve: None }))
     }
 }
 

@@ -263,8 +263,8 @@ impl<'a, const D: usize> Chain<'a, D> {
         Ok(())
     }
 
-    /// Minimises over each of these holds, no two of which are neighbours, with all others fixed; returns them with the largest
-    /// move of their points. The knots of a hold have one state, whose energy counts for each of them.
+    /// Minimises over each of these holds, no two of which are neighbours, with all others fixed; returns what that has done
+    /// to each. The knots of a hold have one state, whose energy counts for each of them.
     fn relax(&mut self, due: &[usize]) -> Result<Vec<(usize, Relaxed)>, SolveError> {
         let mut taken: Vec<(usize, Range<usize>, Option<Knot<D>>)> = Vec::with_capacity(due.len());
         for &hold in due {

@@ -233,15 +233,16 @@ impl<const D: usize> Knot<D> {
         let initial = self.handles();
         let targets = self.system.own_targets();
         let minimization = self.system.minimization(&targets, cancel);
-        let result = match descent {
-            Descent::Warm if minimization.has_newton() => {
-                Some(minimization.newton_from(initial.clone(), &mut self.factor, usize::MAX)?)
-            }
-            Descent::Warm if D == 3 => minimization.newton_in_space(&initial, (0, STEPS_IN_SPACE), &mut |_| ())?,
-            _ => None,
+        let is_warm = descent == Descent::Warm;
+        let in_few_steps = match is_warm && D == 3 {
+            true => minimization.newton_in_space(&initial, (0, STEPS_IN_SPACE), &mut |_| ())?,
+            false => None,
         };
-        let result = match result {
+        let result = match in_few_steps {
             Some(result) => result,
+            None if is_warm && minimization.has_newton() => {
+                minimization.newton_from(initial, &mut self.factor, usize::MAX)?
+            }
             None => Minimization { initial: Some(&initial), ..minimization }.run(None)?,
         };
         self.set_state(&result.handles);
