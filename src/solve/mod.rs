@@ -31,6 +31,7 @@ mod problem;
 pub mod problem_file;
 mod regularizer;
 mod report;
+mod rigid_motion;
 mod samples;
 mod search;
 mod second_differences;

@@ -1,90 +1,13 @@
-//! Pins and moved handles as least-squares rows, the rigid motion that fits them best, and conflicts among them.
+//! Pins and moved handles as least-squares rows, and conflicts among them.
 //!
-//! In: pins, handles, settings. Out: rows, a rigid motion, conflicts.
+//! In: pins, handles, settings. Out: rows, conflicts.
 
 use super::least_squares::LeastSquaresRows;
-use super::linalg::small_matrix::{SquareMatrix, apply, best_rotation, distance, identity, minus};
+use super::linalg::small_matrix::distance;
 use super::problem::{HandlePin, ModelPoint, PointPin};
 use super::settings::{OutsidePins, Settings};
 use crate::lattice::Grid;
 use std::collections::BTreeMap;
-
-/// The rigid motion x ↦ R (x − from) + to.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RigidMotion<const D: usize> {
-    rotation: SquareMatrix<D>,
-    from: [f64; D],
-    to: [f64; D],
-    /// Measure of how well the targets determine the rotation, 0 or more: in 2D |z| / Σ w |rest|², z = Σ w rest̄·now, in complex
-    /// numbers relative to the means. It is 1 for a rigid motion and 0 where all rotations fit equally well. It is set to 1 in
-    /// 3D, and where all pins are at one point.
-    definiteness: f64,
-}
-
-/// Definiteness from which on the rotation is used unchanged, see [`RigidMotion::continuous`].
-const DEFINITE: f64 = 0.25;
-
-impl<const D: usize> RigidMotion<D> {
-    /// Image of a point.
-    pub(crate) fn image(&self, point: &[f64; D]) -> [f64; D] {
-        let turned = apply(&self.rotation, &minus(point, &self.from));
-        std::array::from_fn(|d| turned[d] + self.to[d])
-    }
-
-    /// Makes the motion continuous in the targets. A definite rotation is unchanged; as the definiteness falls to 0, the rotation
-    /// matrix is scaled down to 0, so that all images contract to the mean target.
-    pub(crate) fn continuous(mut self) -> Self {
-        let t = (self.definiteness / DEFINITE).clamp(0.0, 1.0);
-        let share = t * t * (3.0 - 2.0 * t);
-        self.rotation = self.rotation.map(|row| row.map(|x| x * share));
-        self
-    }
-
-    /// The rotation matrix, scaled down after [`Self::continuous`].
-    pub(crate) fn rotation(&self) -> SquareMatrix<D> {
-        self.rotation
-    }
-
-    /// Returns the motion that best fits pins and moved handles to their targets.
-    pub(crate) fn fit(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
-        let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
-        let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
-        let total: f64 = pairs.iter().map(|pair| pair.2).sum();
-        if total <= 0.0 {
-            return Self { rotation: identity(), from: [0.0; D], to: [0.0; D], definiteness: 1.0 };
-        }
-        let (mut from, mut to) = ([0.0; D], [0.0; D]);
-        for (rest, now, weight) in &pairs {
-            (0..D).for_each(|d| from[d] += weight / total * rest[d]);
-            (0..D).for_each(|d| to[d] += weight / total * now[d]);
-        }
-        let mut s = [[0.0; D]; D];
-        let mut add = |weight: f64, rest: [f64; D], now: [f64; D]| {
-            for a in 0..D {
-                (0..D).for_each(|b| s[a][b] += weight * rest[a] * now[b]);
-            }
-        };
-        pairs.iter().for_each(|(rest, now, weight)| add(weight / total, minus(rest, &from), minus(now, &to)));
-        // A prescribed gradient contributes the images of the axes, with a lever of a tenth of the box diagonal.
-        let lever = 0.01 * grid.diagonal().powi(2);
-        for (pin, gradient) in pins.iter().filter_map(|pin| pin.gradient.map(|gradient| (pin, gradient))) {
-            for (axis, image) in gradient.into_iter().enumerate() {
-                let unit = std::array::from_fn(|d| if d == axis { 1.0 } else { 0.0 });
-                add(pin.weight / total * lever, unit, image);
-            }
-        }
-        let spread: f64 = (0..D).map(|d| s[d].iter().map(|x| x.abs()).sum::<f64>()).sum();
-        // A small multiple of the identity, so that rounding does not choose a rotation; where several are best, the smallest is
-        // taken.
-        let noise = 1e-13 * grid.diagonal().powi(2);
-        let square = |rest: &[f64; D]| minus(rest, &from).iter().map(|x| x * x).sum::<f64>();
-        let extent = pairs.iter().map(|(rest, _, weight)| weight / total * square(rest)).sum::<f64>();
-        let definiteness =
-            if D == 2 && extent > noise { (s[0][0] + s[1][1]).hypot(s[0][1] - s[1][0]) / extent } else { 1.0 };
-        (0..D).for_each(|d| s[d][d] += 1e-12 * spread + noise);
-        Self { rotation: best_rotation(&s), from, to, definiteness }
-    }
-}
 
 /// Rows of the pins with λmp = 1 (paper, equation 6). A pin that prescribes a gradient has one additional row per axis.
 pub(crate) fn pin_rows<const D: usize>(

@@ -4,8 +4,9 @@
 //! and a smooth function of positions, targets and weights above it (docs/METHOD.md, "Pins that give way").
 
 use super::linalg::small_matrix::{apply, distance, minus};
-use super::pins::{RigidMotion, held_point, held_target};
+use super::pins::{held_point, held_target};
 use super::problem::{HandlePin, PointPin};
+use super::rigid_motion::RigidMotion;
 use super::settings::{PinHold, Settings};
 use crate::lattice::Grid;
 
@@ -46,7 +47,7 @@ pub(crate) fn yielding_pairs<const D: usize>(
     if settings.pin_hold == PinHold::Soft || pins.len() < 2 {
         return Vec::new();
     }
-    let rigid = RigidMotion::fit(grid, pins, handles).continuous();
+    let rigid = RigidMotion::fit_continuous(grid, pins, handles);
     let places: Vec<[f64; D]> = pins.iter().map(|pin| held_point(grid, pin, settings)).collect();
     let mut order: Vec<usize> = (0..pins.len()).filter(|&pin| pins[pin].weight > 0.0).collect();
     order.sort_by(|&a, &b| places[a][0].total_cmp(&places[b][0]));

@@ -135,12 +135,39 @@ fn best_rotation_2d<const D: usize>(s: &SquareMatrix<D>) -> SquareMatrix<D> {
     rotation
 }
 
-/// In 3D: the unit quaternion that maximises a quadratic form (B. K. P. Horn, "Closed-form solution of absolute orientation using
-/// unit quaternions", 1987). The result is never a reflection; the direction of the smallest singular value flips instead.
+/// In 3D: the unit quaternion that maximises a quadratic form. The result is never a reflection; the direction of the smallest
+/// singular value flips instead.
 fn best_rotation_3d<const D: usize>(s: &SquareMatrix<D>) -> SquareMatrix<D> {
+    let Some((_, values, vectors)) = rotation_eigen(s) else { return identity() };
+    let best = largest(&values);
+    from_quaternion(std::array::from_fn(|k| vectors[k][best]))
+}
+
+/// In 3D: the mean of four rotations that belong to orthogonal quaternions, the best one and the best of the others. `weight` maps
+/// what such a rotation loses of tr(R S), to its weight, 1 for a loss of 0. It is continuous in S, because R is quadratic in the
+/// quaternion and equal eigenvalues have equal weights. The identity if S is zero or not finite.
+pub(crate) fn mean_of_best_rotations<const D: usize>(
+    s: &SquareMatrix<D>,
+    weight: impl Fn(f64) -> f64,
+) -> SquareMatrix<D> {
+    let Some((size, values, vectors)) = rotation_eigen(s) else { return identity() };
+    let best = values[largest(&values)];
+    let weights = values.map(|value| weight(size * (best - value)));
+    let total: f64 = weights.iter().sum();
+    let mut mean = [[0.0; D]; D];
+    for (k, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight > 0.0) {
+        let rotation: SquareMatrix<D> = from_quaternion(std::array::from_fn(|row| vectors[row][k]));
+        mean.as_flattened_mut().iter_mut().zip(rotation.as_flattened()).for_each(|(sum, x)| *sum += weight / total * x);
+    }
+    mean
+}
+
+/// In 3D: the size of S, and eigenvalues and eigenvectors (columns) of the quadratic form qᵀ N q = tr(R(q) S) of S divided by it (B.
+/// K. P. Horn, "Closed-form solution of absolute orientation using unit quaternions", 1987). `None` if S is zero or not finite.
+fn rotation_eigen<const D: usize>(s: &SquareMatrix<D>) -> Option<(f64, [f64; 4], SquareMatrix<4>)> {
     let size: f64 = s.iter().flatten().map(|x| x.abs()).sum();
     if !(size > 0.0 && size.is_finite()) {
-        return identity();
+        return None;
     }
     let s: SquareMatrix<D> = s.map(|row| row.map(|x| x / size));
     let (xx, yy, zz) = (s[0][0], s[1][1], s[2][2]);
@@ -152,9 +179,12 @@ fn best_rotation_3d<const D: usize>(s: &SquareMatrix<D>) -> SquareMatrix<D> {
         [y, xy, yy - xx - zz, yz],
         [z, zx, yz, zz - xx - yy],
     ]);
-    let best = (1..4).fold(0, |best, k| if values[k] > values[best] { k } else { best });
-    let q: [f64; 4] = std::array::from_fn(|k| vectors[k][best]);
-    from_quaternion(q)
+    Some((size, values, vectors))
+}
+
+/// Index of the largest value, of the first of several.
+fn largest(values: &[f64; 4]) -> usize {
+    (1..4).fold(0, |best, k| if values[k] > values[best] { k } else { best })
 }
 
 /// The rotation of a unit quaternion (w, x, y, z).

@@ -1,7 +1,7 @@
 //! Search for jumps in the motion between two knots, by recursive bisection in time.
 //!
 //! In: solved knots, the problem at any time between two of them. Out: the weight of the proximal term between
-//! them with which no jump is found.
+//! them with which no jump is found, or the largest.
 //!
 //! The state halfway between two times is compared with the mean of the states at these times, and with the parabola through
 //! three states of the interval one level up. For smooth motion the differences fall by factors of four and eight with every
@@ -26,6 +26,12 @@ const JUMP_TOLERANCE: f64 = 0.25;
 /// Multiples of an interval's weight that are tried until the motion is continuous. With the last the motion is practically the
 /// interpolation of the knots.
 const FACTORS: [f64; 3] = [1.0, 256.0, 65536.0];
+
+/// Number of halvings that measure a jump.
+const JUMP_DEPTH: u32 = 10;
+
+/// The largest weight shortens a jump if it leaves less than this fraction of it.
+const SHORTER: f64 = 0.5;
 
 /// How times between two knots are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,12 +103,32 @@ impl<'a, const D: usize> Interval<'a, D> {
         Self { knots, index, probe, probed: Vec::new(), tolerance, min_depth }
     }
 
-    /// The smallest of the tried weights with which no jump is found; that of the knots if there is none, because the targets of
-    /// pins jump.
+    /// The smallest of the tried weights with which no jump is found. If there is none, the largest, which shortens jumps of the energy
+    /// most; that of the knots if it does not, because the targets of pins jump.
     fn continuous_weight(&mut self) -> f64 {
         let initial = self.knots.weights[self.index];
-        let mut tried = FACTORS.iter().map(|factor| factor * initial);
-        tried.find(|&weight| self.is_continuous(weight)).unwrap_or(initial)
+        let tried = FACTORS.map(|factor| factor * initial);
+        if let Some(&weight) = tried.iter().find(|&&weight| self.is_continuous(weight)) {
+            return weight;
+        }
+        let largest = tried[FACTORS.len() - 1];
+        let is_shorter = self.longest_jump(largest) < SHORTER * self.longest_jump(initial);
+        if is_shorter { largest } else { initial }
+    }
+
+    /// How far a point moves in the shortest part of the interval, found by halving that part in which it moves farther.
+    fn longest_jump(&mut self, weight: f64) -> f64 {
+        let knots = self.knots;
+        let [Some(before), Some(after)] = &knots.states[self.index..=self.index + 1] else { return 0.0 };
+        let (mut times, mut states) = ([0.0, 1.0], [before.clone(), after.clone()]);
+        for _ in 0..JUMP_DEPTH {
+            let middle = f64::midpoint(times[0], times[1]);
+            let Some(state) = self.state(middle, weight) else { break };
+            // The later half replaces the first end, the earlier one the last.
+            let end = usize::from(states[0].farthest(&state) > state.farthest(&states[1]));
+            (times[end], states[end]) = (middle, state);
+        }
+        states[0].farthest(&states[1])
     }
 
     /// Whether no jump is found between the knots with this weight.

@@ -12,8 +12,8 @@ use crate::solve::error::SolveError;
 use crate::solve::linalg::small_matrix::{distance, minus};
 use crate::solve::minimization::{Minimization, MinimizationResult};
 use crate::solve::newton::CachedFactor;
-use crate::solve::pins::RigidMotion;
 use crate::solve::problem::{PointPin, Problem};
+use crate::solve::rigid_motion::RigidMotion;
 use crate::solve::settings::Settings;
 use crate::solve::system::System;
 use crate::solve::targets::Targets;
@@ -87,7 +87,7 @@ impl<const D: usize> Knot<D> {
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
         let system = System::with_points(&bare, &points, cancel)?;
         let is_resting = goal.are_at_rest(&grid);
-        let rigid = RigidMotion::fit(&grid, pins, handles).continuous();
+        let rigid = RigidMotion::fit_continuous(&grid, pins, handles);
         let images = |points: Vec<[f64; D]>| match is_resting {
             true => points,
             false => points.iter().map(|point| rigid.image(point)).collect(),
