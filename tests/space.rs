@@ -1,5 +1,9 @@
 //! Lattices in space: Newton's method with conjugate gradients converges, where local-global steps would end, too.
 
+#[path = "support/bisection.rs"]
+mod bisection;
+
+use bisection::jump;
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{
     Cancel, Coupling, Guard, ModelPoint, PointPin, Problem, Settings, Shape, Solution, SolveError, Targets,
@@ -151,19 +155,6 @@ impl TwistedBall {
         assert!(report.is_converged, "{} iterations in frame {time}", report.iterations);
         solution
     }
-
-    /// How far a point jumps between two times: the half in which it moves farther is halved again.
-    fn jump(&self, trajectory: &Trajectory<3>, [from, to]: [(f64, &Solution<3>); 2]) -> f64 {
-        let moved = gap(from.1, to.1, &self.shape);
-        if moved < 0.01 || to.0 - from.0 < 1e-6 {
-            return moved;
-        }
-        let time = f64::midpoint(from.0, to.0);
-        let middle = self.at(trajectory, time);
-        let is_first = gap(from.1, &middle, &self.shape) > gap(&middle, to.1, &self.shape);
-        let half = if is_first { [from, (time, &middle)] } else { [(time, &middle), to] };
-        self.jump(trajectory, half)
-    }
 }
 
 #[test]
@@ -175,10 +166,12 @@ fn a_ball_that_is_twisted_over_time_converges_at_all_times_and_does_not_jump() {
         let trajectory = Trajectory::solve(&ball, coupling, &Cancel::never()).expect("solved");
         let solved = |k: u32| (f64::from(k) / 8.0, ball.at(&trajectory, f64::from(k) / 8.0));
         let solutions: Vec<(f64, Solution<3>)> = (0..=8 * FRAMES as u32).map(solved).collect();
-        let fast = solutions.windows(2).map(|pair| [(pair[0].0, &pair[0].1), (pair[1].0, &pair[1].1)]);
+        let distance = |a: &Solution<3>, b: &Solution<3>| gap(a, b, &ball.shape);
         // Two and a half times what the pins move between two of these times.
-        let fast = fast.filter(|[from, to]| gap(from.1, to.1, &ball.shape) > 0.0235 * angle);
-        let jump = fast.map(|pair| ball.jump(&trajectory, pair)).fold(0.0, f64::max);
+        let fast = solutions.windows(2).filter(|pair| distance(&pair[0].1, &pair[1].1) > 0.0235 * angle);
+        let ends = fast.map(|pair| [pair[0].clone(), pair[1].clone()]);
+        let jumps = ends.map(|ends| jump(ends, 0.01, |time| ball.at(&trajectory, time), distance));
+        let jump = jumps.fold(0.0, f64::max);
         assert!(jump < 0.01, "{jump} at an angle of {angle}");
     }
 }

@@ -1,8 +1,11 @@
 //! Trajectories are continuous in time: random limb animations, bisected wherever they move.
 
+#[path = "support/bisection.rs"]
+mod bisection;
 #[path = "support/limbs.rs"]
 mod limbs;
 
+use bisection::jump;
 use limbs::{Key, Limb, PIXEL};
 use pinwarp::lattice::Lattice;
 use pinwarp::solve::{
@@ -41,19 +44,10 @@ impl<'a> Motion<'a> {
         self.limb.points().iter().map(|&point| lattice.evaluate(point)).collect()
     }
 
-    /// Farthest jump between two times, pixels: the half that moves farther is halved again.
+    /// Farthest jump between two times, pixels.
     fn jump(&self, from: (f64, &[[f64; 2]]), to: (f64, &[[f64; 2]])) -> f64 {
-        let moved = farthest(from.1, to.1);
-        if moved < 1.0 || to.0 - from.0 < 1e-6 {
-            return moved;
-        }
-        let middle = f64::midpoint(from.0, to.0);
-        let points = self.points(middle);
-        if farthest(from.1, &points) > farthest(&points, to.1) {
-            self.jump(from, (middle, &points))
-        } else {
-            self.jump((middle, &points), to)
-        }
+        let ends = [from, to].map(|(time, points)| (time, points.to_vec()));
+        jump(ends, 1.0, |time| self.points(time), |a, b| farthest(a, b))
     }
 }
 

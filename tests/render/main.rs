@@ -3,6 +3,8 @@
 
 #[path = "../support/assets.rs"]
 mod assets;
+#[path = "../support/bisection.rs"]
+mod bisection;
 #[path = "../support/python.rs"]
 mod python;
 #[path = "../support/tiny.rs"]

@@ -1,5 +1,6 @@
 //! Layers with a temporal weight: no snaps, also within a frame, and each frame the same alone and among others.
 
+use crate::bisection;
 use crate::support::Studio;
 use crate::tiny::{Tiny, grid};
 use glam::DVec3;
@@ -43,19 +44,9 @@ fn moved(a: &ScreenLattice, b: &ScreenLattice) -> f64 {
     moves.fold(0.0, f64::max) * 1080.0
 }
 
-/// Farthest jump between two times: the half that moves farther is halved again.
-fn jump(prepared: &PreparedShot, [from, to]: [f64; 2]) -> f64 {
-    let (mut low, mut high) = ((from, lattice(prepared, from)), (to, lattice(prepared, to)));
-    while moved(&low.1, &high.1) > 1.0 && high.0 - low.0 > 1e-6 {
-        let time = f64::midpoint(low.0, high.0);
-        let middle = lattice(prepared, time);
-        if moved(&low.1, &middle) > moved(&middle, &high.1) {
-            high = (time, middle);
-        } else {
-            low = (time, middle);
-        }
-    }
-    moved(&low.1, &high.1)
+/// Farthest jump between two times, pixels.
+fn jump(prepared: &PreparedShot, times: [f64; 2]) -> f64 {
+    bisection::jump(times.map(|time| (time, lattice(prepared, time))), 1.0, |time| lattice(prepared, time), moved)
 }
 
 fn farthest_jump(solve: &str) -> f64 {
