@@ -132,6 +132,14 @@ pub struct FrameRange {
     pub clip_start: i32,
 }
 
+impl Shot {
+    /// The frame in which what holds for the whole shot is measured, such as lattices with `dims = "auto"`: the first that is solved.
+    /// Trimming `frames` does not move it.
+    pub(crate) const fn reference_frame(&self) -> i32 {
+        self.solve_range[0]
+    }
+}
+
 impl FrameRange {
     /// Returns the animation time of a (fractional) frame in seconds.
     #[must_use]

@@ -33,5 +33,6 @@ mod stiffness;
 mod support;
 mod temporal;
 mod trajectories;
+mod trimmed;
 mod winding;
 mod world;

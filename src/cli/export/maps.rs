@@ -99,6 +99,9 @@ impl Maps {
                 only.name
             )?;
         }
+        if let (Some(prepared), Some(layers)) = (prepared.as_deref(), &parts) {
+            prepared.note_on_shared(layers).map_or(Ok(()), |note| writeln!(io::stderr(), "note: {note}"))?;
+        }
         let contents = prepared.as_deref().map(PreparedShot::contents_digest).unwrap_or_default();
         Ok((Self { lattices, size, window, direction, extrapolation, parts, contents, inputs }, prepared))
     }

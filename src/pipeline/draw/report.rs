@@ -70,8 +70,9 @@ fn spread_warning(layer: &Layer, spread: &Spread, height_px: f64) -> String {
         LayerSpace::World { .. } => format!("{:.4} m", spread.speed),
     };
     let name = &layer.name;
+    // The range is one word, so that warnings about different jumps stay apart.
     format!(
-        "layer '{name}': a sudden jump is spread over frames {first} to {last} (up to {speed} per frame relative to the \
+        "layer '{name}': a sudden jump is spread over frames {first}-{last} (up to {speed} per frame relative to the \
          rigid fit of its pins); another pin where it bends decides for it"
     )
 }

@@ -48,16 +48,19 @@ pub(in crate::pipeline) fn move_meshes(
     }
 }
 
-/// Returns the lattices of a solved world layer: one per branch, or a single one; none for other layers.
+/// Returns the lattices of a solved world layer: one per branch, or a single one; none for other layers, and for a layer at rest, whose
+/// meshes stay as they are to the bit.
 fn lattices_of(state: &LayerState) -> Vec<SceneLattice> {
     let Some(WorldSolution { lattice, branches, .. }) = &state.world else { return Vec::new() };
-    match branches {
+    let lattices = match branches {
         None => vec![lattice.clone()],
         Some(branches) => {
             let placed = |branch| SceneLattice { lattice: branches.lattice(branch), ..lattice.clone() };
             (0..branches.branch_count()).map(placed).collect()
         }
-    }
+    };
+    let is_moved = |placed: &SceneLattice| placed.lattice.handles != placed.lattice.grid.at_rest().handles;
+    if lattices.iter().any(is_moved) { lattices } else { Vec::new() }
 }
 
 /// Returns the branch that each vertex of a part belongs to; empty if the layer does not branch.

@@ -52,8 +52,8 @@ impl PreparedShot {
                 || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
     }
 
-    /// Returns a note on layers that share a mesh: a plate is cut along their border.
-    pub(super) fn note_on_shared(&self, layers: &[usize]) -> Option<String> {
+    /// Returns a note on layers that share a mesh: a plate, or a map for one, is cut along their border.
+    pub(crate) fn note_on_shared(&self, layers: &[usize]) -> Option<String> {
         let shared: Vec<String> = layers
             .iter()
             .filter(|&&layer| self.assignment.is_sharing[layer] && self.moves_own_nodes(layer))
@@ -61,7 +61,7 @@ impl PreparedShot {
             .collect();
         (!shared.is_empty()).then(|| {
             format!(
-                "{}: each moves part of a mesh; a plate is cut where they meet parts that move differently, and a seam may open \
+                "{}: each moves part of a mesh; a plate or map is cut where they meet parts that move differently, and a seam may open \
                  there (`render` blends them): look at the border, or let one layer move the mesh",
                 shared.join(", ")
             )

@@ -53,7 +53,7 @@ fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
     let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
     let Some(longest) = longest_side(&mesh) else { return ([HANDLES[0]; 2], "for nothing is seen of it") };
     let thin = thickness(&mesh).map(|thickness| thickness / longest / SPANS_ACROSS);
-    let frame = f64::from(prepared.shot.frames.first);
+    let frame = f64::from(prepared.shot.reference_frame());
     let sides = box_sides(prepared, index, frame);
     let nearest = nearest_pins(prepared, index, frame);
     let pins = nearest.map(|distance| distance / sides[0].max(sides[1]) / SPANS_BETWEEN_PINS);

@@ -102,7 +102,7 @@ impl CameraContext<'_> {
         let Some(&(_, yaw, pitch)) = view else { return Err(self.unknown_camera(name, found)) };
         let look_at = layer.map_or(LookAt::Scene, |layer| LookAt::Layer(layer.to_owned()));
         let aim = CameraAim::Orbit { look_at, distance: None, yaw, pitch };
-        let frame = f64::from(self.shot.frames.first);
+        let frame = f64::from(self.shot.reference_frame());
         let lens = CameraLens::Fov(VIEW_FOV_DEGREES);
         self.own(&OwnCamera { keys: vec![CameraKey { frame, aim, roll: 0.0, lens, ease: Ease::default() }] })
     }

@@ -13,7 +13,7 @@ const LONG_EDGE_CELLS: f64 = 2.0;
 
 /// Returns a note for every world layer with a mesh that is too coarse for its lattice.
 pub(in crate::pipeline) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
-    let frame = f64::from(prepared.shot.frames.first);
+    let frame = f64::from(prepared.shot.reference_frame());
     let note = |index: usize| {
         let (placed, grid) = world_grid(prepared, index, frame, first)?;
         let parts = prepared.assignment.parts_of_layer[index].iter();

@@ -75,7 +75,7 @@ impl PreparedShot {
         let mut notes = scene.warnings.clone();
         notes.extend(shot.range_notes());
         let clip = choose_clip(&shot, &scene, &mut notes)?;
-        let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.reference_frame())));
         check_parts(&shot, &first, &hidden_nodes)?;
         let assignment = LayerAssignment::new(&shot, &scene, &first.parts)?;
         let context = CameraContext { shot: &shot, scene: &scene, clip, parts_of_layer: &assignment.parts_of_layer };
@@ -103,7 +103,7 @@ impl PreparedShot {
             cache: FrameCache::default(),
             trajectory_files: None,
         };
-        let (_, camera) = prepared.view(f64::from(prepared.shot.frames.first));
+        let (_, camera) = prepared.view(f64::from(prepared.shot.reference_frame()));
         prepared.draw_inputs.rig = lighting::neutral_rig(&camera);
         if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&prepared.scene, part)) {
             prepared.notes.push("the scene has no lights: a neutral three-light rig is used".into());

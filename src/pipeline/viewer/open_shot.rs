@@ -139,7 +139,7 @@ impl OpenShot {
         let old_notes = self.prepared.notes.len();
         self.put_shot(shot);
         let prepared = &mut self.prepared;
-        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.reference_frame())));
         if let Err(error) = attach_pins(prepared, &first) {
             prepared.layer_inputs.anchors = old_anchors;
             prepared.layer_inputs.mirrored = old_mirrored;
@@ -196,7 +196,8 @@ fn structural_settings(shot: &Shot) -> Shot {
     shot.lines = KeyLines::default();
     shot.output = crate::shot::Output { channels: Vec::new(), ..shot.output };
     (shot.samples, shot.shutter.angle, shot.shutter.phase, shot.exposure_stops) = (1, 0.0, 0.0, 0.0);
-    shot.solve_range = [0, 0];
+    // What holds for the whole shot is measured in the first frame of it.
+    shot.solve_range[1] = shot.solve_range[0];
     for layer in &mut shot.layers {
         layer.pins.clear();
         layer.handles.clear();
