@@ -123,7 +123,7 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
         }
         layer.transfer =
             Some(Transfer { file: args.lattice.clone(), layer: Some(name), fit: fit.clone(), start: None });
-        (layer.pins, layer.handles, layer.stiffness) = Default::default();
+        (layer.pins, layer.handles, layer.stiffness, layer.strokes) = Default::default();
         layer.strength *= args.strength;
     }
     Ok(shot)

@@ -133,6 +133,7 @@ fn layer(bounds: BoxRule) -> Layer {
         step: 1,
         strength: 1.0,
         stiffness: Vec::new(),
+        strokes: Vec::new(),
         orientation: BoxOrientation::default(),
         symmetry: None,
         pins: Vec::new(),

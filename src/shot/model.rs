@@ -194,6 +194,8 @@ pub struct Layer {
     pub strength: f64,
     /// Parts that are stiffer or softer than the rest.
     pub stiffness: Vec<StiffnessRule>,
+    /// Brush strokes of stiffness, which multiply what the rules say, in the order of the file.
+    pub strokes: Vec<BrushStroke>,
     /// The plane at which mirrored pins are reflected; `None`: the layer's own plane of symmetry at rest.
     pub symmetry: Option<AxisPlane>,
     /// Pins.
@@ -376,7 +378,7 @@ pub struct PinRegion {
     pub stiffness: f64,
 }
 
-/// An entry of `[[layer.stiffness]]`; overlapping entries are multiplied.
+/// An entry of `[[layer.stiffness]]` without a stroke; overlapping entries are multiplied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StiffnessRule {
     /// The part that it applies to.
@@ -394,6 +396,20 @@ pub enum StiffPart {
     Material(String),
     /// Where a channel of the vertex colours is 1; values below 1 apply partially.
     VertexColor(ColorChannel),
+}
+
+/// A brush stroke of stiffness over the surface of a model at rest: an entry of `[[layer.stiffness]]` with `stroke`. Later
+/// strokes of a layer paint over earlier ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrushStroke {
+    /// Patterns of the names of the nodes that it paints, including their subtrees; empty: all of the layer.
+    pub nodes: Vec<String>,
+    /// Points of its line in the scene at rest (without a clip): metres, in pictures frame heights.
+    pub points: Vec<[f64; 3]>,
+    /// Distance from the line, in the same unit, at which it ends; up to half of it the stroke applies fully.
+    pub radius: f64,
+    /// The stiffness, > 0; 1 is that of everything else, and erases.
+    pub value: f64,
 }
 
 /// The anchor of a pin.

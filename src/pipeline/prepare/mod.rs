@@ -6,6 +6,7 @@ pub(super) mod anchors;
 pub(super) mod auto_dims;
 pub(super) mod box_frames;
 pub(super) mod branch_lattices;
+pub(super) mod brush_strokes;
 pub(super) mod cameras;
 pub(super) mod layer_assignment;
 pub(super) mod lighting;
@@ -87,7 +88,7 @@ impl PreparedShot {
         box_frames::check(&shot, &scene)?;
         let loaded = transfer::load(&shot, &mut notes)?;
         topology::choose(&mut shot, &assignment, &loaded);
-        let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer))?;
+        let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer), &mut notes)?;
         let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
         let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {

@@ -139,7 +139,7 @@ impl PreparedShot {
         PartStiffness {
             painted: self.layer_inputs.stiffness[layer].get(&part).map_or(&[], Vec::as_slice),
             share: self.assignment.share(layer, part),
-            is_uneven: !self.shot.layers[layer].stiffness.is_empty() || self.assignment.is_sharing[layer],
+            is_uneven: !self.layer_inputs.stiffness[layer].is_empty() || self.assignment.is_sharing[layer],
         }
     }
 

@@ -1,7 +1,9 @@
-//! Computes the stiffness of every triangle from the rules `[[layer.stiffness]]`, once, when a shot is prepared.
+//! Computes the stiffness of every triangle from `[[layer.stiffness]]`, when a shot is prepared and when its painting changes.
 //!
 //! In: a shot, its scene, and the parts of each layer. Out: the stiffness of the triangles of every part.
 
+use super::brush_strokes::Strokes;
+use super::rest_mesh::rest_pose;
 use super::selection::LayerShare;
 use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;
@@ -48,13 +50,16 @@ impl PartStiffness<'_> {
 /// #layers, then by part: stiffness of the part's triangles; parts without an entry have 1 everywhere.
 pub(in crate::pipeline) type Painted = Vec<BTreeMap<usize, Vec<f64>>>;
 
-/// Computes the stiffness for all layers.
+/// Computes the stiffness for all layers; `notes` receives what the user should know.
 pub(in crate::pipeline) fn paint(
     shot: &Shot,
     scene: &Scene,
     (parts, parts_of_layer): (&[PosedPart], &[Vec<usize>]),
+    notes: &mut Vec<String>,
 ) -> Result<Painted, PipelineError> {
     let mut painted = Painted::new();
+    let has_strokes = shot.layers.iter().any(|layer| !layer.strokes.is_empty());
+    let rest = has_strokes.then(|| rest_pose(scene));
     for (index, layer) in shot.layers.iter().enumerate() {
         let mut own = BTreeMap::new();
         for (number, rule) in layer.stiffness.iter().enumerate() {
@@ -70,6 +75,11 @@ pub(in crate::pipeline) fn paint(
                     hint,
                 ));
             }
+        }
+        if let Some(rest) = rest.as_ref().filter(|_| !layer.strokes.is_empty()) {
+            let strokes = Strokes::of(shot, index, scene)?;
+            let unmet = strokes.paint((scene, rest), &parts_of_layer[index], &mut own);
+            notes.extend(unmet.map(|unmet| format!("layer '{}': {unmet}", layer.name)));
         }
         painted.push(own);
     }

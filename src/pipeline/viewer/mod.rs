@@ -2,10 +2,12 @@
 //!
 //! In: a shot in memory. Out: what a window shows of it.
 
+pub(super) mod brush_point;
 pub(super) mod layer_marks;
 pub(super) mod new_shot;
 pub(super) mod open_shot;
 pub(super) mod picked_point;
+pub(super) mod stiff_triangles;
 pub(super) mod still;
 #[cfg(feature = "editor")]
 pub(super) mod warped_still;

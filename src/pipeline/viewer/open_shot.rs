@@ -6,11 +6,11 @@
 
 use crate::pipeline::evaluate::frame_cache::FrameCache;
 use crate::pipeline::prepare::attach_pins;
-use crate::pipeline::prepare::auto_dims;
+use crate::pipeline::prepare::{auto_dims, stiffness};
 use crate::pipeline::{PipelineError, PreparedShot};
 use crate::pose::pose;
 use crate::raster::ChannelGroup;
-use crate::shot::{CameraRule, KeyLines, Layer, LayerSpace, Pin, Shot};
+use crate::shot::{BrushStroke, CameraRule, KeyLines, Layer, LayerSpace, Pin, Shot, StiffnessRule};
 use crate::solve::Settings;
 
 /// A loaded shot that is being edited.
@@ -28,6 +28,8 @@ pub enum Rework {
     Nothing,
     /// Frames only: keys, strengths, samples.
     Frames,
+    /// Stiffness was painted again.
+    Stiffness,
     /// Pins were attached to the model again.
     Pins,
     /// Everything except loading the scene.
@@ -75,7 +77,15 @@ impl OpenShot {
         match rework {
             Rework::Nothing => {}
             Rework::Frames => self.put_shot(&shot),
-            Rework::Pins => self.reattach_pins(&shot)?,
+            Rework::Stiffness => self.repaint(&shot)?,
+            Rework::Pins => {
+                let old = self.prepared.layer_inputs.stiffness.clone();
+                self.paint(&shot)?;
+                if let Err(error) = self.reattach_pins(&shot) {
+                    self.prepared.layer_inputs.stiffness = old;
+                    return Err(error);
+                }
+            }
             Rework::Layers => {
                 let gallery = self.prepared.gallery.clone();
                 let again = PreparedShot::with_scene(colour_only(shot.clone()), self.prepared.scene.clone())?;
@@ -129,6 +139,26 @@ impl OpenShot {
             cache.world_trajectories = old.world_trajectories;
         }
         (prepared.shot, prepared.cache) = (next, cache);
+    }
+
+    /// Replaces a shot in which the stiffness of layers changed.
+    fn repaint(&mut self, shot: &Shot) -> Result<(), PipelineError> {
+        self.paint(shot)?;
+        self.put_shot(shot);
+        Ok(())
+    }
+
+    /// Paints the stiffness of a shot with the same layers, unless it is as before.
+    fn paint(&mut self, shot: &Shot) -> Result<(), PipelineError> {
+        if painting(&self.given) == painting(shot) {
+            return Ok(());
+        }
+        let prepared = &mut self.prepared;
+        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        let parts = (&first.parts[..], &prepared.assignment.parts_of_layer[..]);
+        let painted = stiffness::paint(shot, &prepared.scene, parts, &mut prepared.notes)?;
+        prepared.layer_inputs.stiffness = painted;
+        Ok(())
     }
 
     /// Attaches the pins of the same layers again.
@@ -187,7 +217,18 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
         shot.layers.iter().map(of_layer).collect()
     };
     let chooses_dims = |shot: &Shot| shot.layers.iter().any(|layer| layer.has_auto_dims);
-    if attachments(old) != attachments(new) || chooses_dims(new) { Rework::Pins } else { Rework::Frames }
+    if attachments(old) != attachments(new) || chooses_dims(new) {
+        Rework::Pins
+    } else if painting(old) != painting(new) {
+        Rework::Stiffness
+    } else {
+        Rework::Frames
+    }
+}
+
+/// Returns what determines the stiffness of each layer.
+fn painting(shot: &Shot) -> Vec<(&[StiffnessRule], &[BrushStroke])> {
+    shot.layers.iter().map(|layer| (&layer.stiffness[..], &layer.strokes[..])).collect()
 }
 
 /// Reduces a shot to the settings on which preparation depends, except pins.
@@ -201,6 +242,8 @@ fn structural_settings(shot: &Shot) -> Shot {
     for layer in &mut shot.layers {
         layer.pins.clear();
         layer.handles.clear();
+        layer.stiffness.clear();
+        layer.strokes.clear();
         (layer.strength, layer.step) = (1.0, 1);
         layer.settings = Settings { topology: layer.settings.topology, ..Settings::default() };
         if let LayerSpace::Screen { dims, .. } = &mut layer.space {

@@ -21,7 +21,7 @@ pub struct PickedPoint {
     pub layer: Option<usize>,
     /// Position on the screen before any warp.
     pub rest: ScreenPoint,
-    depth: f64,
+    pub(in crate::pipeline) hit: Hit,
 }
 
 impl PreparedShot {
@@ -47,7 +47,7 @@ impl PreparedShot {
         let is_moved = |layer: usize| sample.layers[layer].solution.is_some();
         let still = self.pick_in(&sample.pose, &mesh, (near, at));
         found.extend(still.filter(|point| point.layer.is_none_or(|layer| !is_moved(layer))));
-        found.into_iter().min_by(|a, b| a.depth.total_cmp(&b.depth))
+        found.into_iter().min_by(|a, b| a.hit.depth.total_cmp(&b.hit.depth))
     }
 
     fn pick_in(&self, pose: &Pose, mesh: &ScreenMesh, (near, at): (f64, ScreenPoint)) -> Option<PickedPoint> {
@@ -66,7 +66,7 @@ impl PreparedShot {
             },
         };
         let layer = self.assignment.layer_of_triangle(hit.part, hit.triangle);
-        Some(PickedPoint { anchor, node, layer, rest: at, depth: hit.depth })
+        Some(PickedPoint { anchor, node, layer, rest: at, hit })
     }
 
     /// Returns the picked point in its node's rest space.

@@ -42,6 +42,7 @@ impl Check<'_> {
         let selection = Selection { is_rest, ..self.selection(&raw.select, &key, shot) };
         let handles = self.handles(raw.handle, &key, space.dims(), shot);
         let pins = self.pins(raw.pin, &key, shot);
+        let (stiffness, strokes) = self.stiffness(raw.stiffness, &key);
         if let Some(pin) = pins.iter().position(|pin| !pin.order.is_empty())
             && topology == Topology::Plain
             && shot.source == Kind::Images
@@ -68,7 +69,8 @@ impl Check<'_> {
             settings,
             step: raw.step.unwrap_or(shot.step),
             strength: shot.strength * raw.strength,
-            stiffness: self.stiffness(raw.stiffness, &key),
+            stiffness,
+            strokes,
             symmetry: raw.symmetry.map(|raw| self.symmetry(raw, &key, shot)),
             pins,
             handles,

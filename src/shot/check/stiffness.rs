@@ -1,10 +1,10 @@
 //! Validates `region` of a pin and `[[layer.stiffness]]`: each entry sets exactly one part, completely.
 //!
-//! In: raw tables. Out: [`PinRegion`]s and [`StiffnessRule`]s.
+//! In: raw tables. Out: [`PinRegion`]s, [`StiffnessRule`]s and [`BrushStroke`]s.
 
 use super::{Check, LayerDefaults};
-use crate::shot::raw::{RawRegion, RawSpace, RawStiffness};
-use crate::shot::{OffsetUnit, PinRegion, StiffPart, StiffnessRule};
+use crate::shot::raw::{RawRegion, RawSpace, RawStiffness, RawStroke};
+use crate::shot::{BrushStroke, OffsetUnit, PinRegion, StiffPart, StiffnessRule};
 
 impl Check<'_> {
     pub(super) fn region(
@@ -23,27 +23,52 @@ impl Check<'_> {
         PinRegion { radius: raw.radius, rigidity: raw.rigidity, stiffness: raw.stiffness }
     }
 
-    pub(super) fn stiffness(&mut self, raw: Vec<RawStiffness>, layer: &str) -> Vec<StiffnessRule> {
-        let rules = raw.into_iter().enumerate();
-        rules.filter_map(|(index, raw)| self.stiffness_rule(raw, &format!("{layer}.stiffness[{index}]"))).collect()
+    /// Returns the rules and the brush strokes, each in the order of the file.
+    pub(super) fn stiffness(
+        &mut self,
+        raw: Vec<RawStiffness>,
+        layer: &str,
+    ) -> (Vec<StiffnessRule>, Vec<BrushStroke>) {
+        let (mut rules, mut strokes) = (Vec::new(), Vec::new());
+        for (index, raw) in raw.into_iter().enumerate() {
+            let value = raw.value;
+            match self.stiff_part(raw, &format!("{layer}.stiffness[{index}]")) {
+                Some(Painted::Part(part)) => rules.push(StiffnessRule { part, value }),
+                Some(Painted::Stroke(RawStroke { nodes, radius, points })) => {
+                    strokes.push(BrushStroke { nodes, points, radius, value });
+                }
+                None => {}
+            }
+        }
+        (rules, strokes)
     }
 
-    fn stiffness_rule(&mut self, raw: RawStiffness, key: &str) -> Option<StiffnessRule> {
-        let part = match (raw.nodes, raw.material, raw.vertex_color) {
-            (Some(nodes), None, None) => StiffPart::Nodes(nodes),
-            (None, Some(material), None) => StiffPart::Material(material),
-            (None, None, Some(channel)) => StiffPart::VertexColor(channel),
-            (None, None, None) => {
-                let hint = "give one of nodes = [\"Head*\"], material = \"Metal\", vertex_color = \"r\"";
+    fn stiff_part(&mut self, raw: RawStiffness, key: &str) -> Option<Painted> {
+        let given = [
+            raw.nodes.map(|nodes| Painted::Part(StiffPart::Nodes(nodes))),
+            raw.material.map(|material| Painted::Part(StiffPart::Material(material))),
+            raw.vertex_color.map(|channel| Painted::Part(StiffPart::VertexColor(channel))),
+            raw.stroke.map(Painted::Stroke),
+        ];
+        let mut given = given.into_iter().flatten();
+        match (given.next(), given.next()) {
+            (Some(part), None) => Some(part),
+            (None, _) => {
+                let hint = "give one of nodes = [\"Head*\"], material = \"Metal\", vertex_color = \"r\", or a stroke";
                 self.fault(key, "does not say what is stiff", hint);
-                return None;
+                None
             }
-            _ => {
+            (Some(_), Some(_)) => {
                 let hint = "make an entry of each; where they meet, their values multiply";
-                self.fault(key, "names nodes, material and vertex_color, or two of them", hint);
-                return None;
+                self.fault(key, "names nodes, material, vertex_color and stroke, or two of them", hint);
+                None
             }
-        };
-        Some(StiffnessRule { part, value: raw.value })
+        }
     }
+}
+
+/// What an entry applies to.
+enum Painted {
+    Part(StiffPart),
+    Stroke(RawStroke),
 }

@@ -7,6 +7,7 @@ mod filter;
 mod layer;
 mod pin;
 mod setting;
+mod stroke;
 mod text;
 
 pub use block::pin_block;
@@ -16,6 +17,8 @@ pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin, rename_pin}
 pub use setting::{
     Setting, add_layer, layer_number, move_layer, put_layer_setting, put_pin_setting, put_setting, remove_layer,
 };
+
+pub use stroke::{add_stroke, remove_strokes};
 
 use super::{Anchor, ShotError};
 use block::{Digits, NewPin, anchor_table, resting};

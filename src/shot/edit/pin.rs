@@ -130,7 +130,7 @@ fn missing(name: &str) -> ShotError {
     fault(name, "it is not in the file, or not written as a list of tables", "reload the file")
 }
 
-fn few(value: f64) -> Value {
+pub(super) fn few(value: f64) -> Value {
     match numbers(&[value], Digits::Few) {
         Value::Array(list) => list.get(0).cloned().unwrap_or_else(|| value.into()),
         other => other,

@@ -58,7 +58,7 @@ pub(in crate::shot) struct RawLayer {
     pub(in crate::shot) handle: Vec<RawHandle>,
 }
 
-/// A part that keeps its shape more, or less, than the rest of the layer. Set one of nodes, material and vertex_color.
+/// A part that keeps its shape more, or less, than the rest of the layer. Set one of nodes, material, vertex_color and stroke.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(in crate::shot) struct RawStiffness {
@@ -71,9 +71,29 @@ pub(in crate::shot) struct RawStiffness {
     /// Channel of the vertex colours: `value` applies fully where it is 1, not at all where it is 0.
     #[schemars(example = &"r")]
     pub(in crate::shot) vertex_color: Option<ColorChannel>,
+    /// Brush stroke over the surface, as the editor paints it. Later strokes of a layer paint over earlier ones: `value` 1 erases.
+    #[schemars(example = serde_json::json!({ "radius": 0.1, "points": [[0.0, 1.2, 0.1], [0.1, 1.25, 0.1]] }))]
+    pub(in crate::shot) stroke: Option<RawStroke>,
     /// Stiffness relative to the rest, which is 1. Where entries overlap, their values multiply.
     #[schemars(range(min = 0.001, max = 1000.0), example = 4.0)]
     pub(in crate::shot) value: f64,
+}
+
+/// A brush stroke over the surface of the model at rest.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawStroke {
+    /// Patterns of the names of the nodes that it paints, with * and ?; default: all nodes of the layer.
+    #[serde(default)]
+    #[schemars(inner(length(min = 1)), example = serde_json::json!(["Body"]))]
+    pub(in crate::shot) nodes: Vec<String>,
+    /// Distance from the line through the points at which the stroke ends: metres, in pictures frame heights. Up to half of it
+    /// `value` applies fully.
+    #[schemars(range(min = 0.00001, max = 100_000.0), example = 0.1)]
+    pub(in crate::shot) radius: f64,
+    /// Points of its line: places in the scene at rest (without a clip), metres; in pictures frame heights, the third 0.
+    #[schemars(length(min = 1), example = serde_json::json!([[0.0, 1.2, 0.1], [0.1, 1.25, 0.1]]))]
+    pub(in crate::shot) points: Vec<[f64; 3]>,
 }
 
 /// Lattices that were solved for another shot and are applied to this layer.
