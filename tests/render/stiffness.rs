@@ -3,7 +3,7 @@
 use crate::support::Studio;
 use crate::tiny::{Part, Tiny, grid};
 use pinwarp::pipeline::{PipelineError, PreparedShot};
-use pinwarp::shot::{ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
+use pinwarp::shot::{BrushStroke, ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
 use pinwarp::space::ScreenPoint;
 use std::path::Path;
 
@@ -42,6 +42,31 @@ fn a_stiff_node_stretches_less() {
     assert!(share(&studio) < 0.4, "{}", share(&studio));
     studio.shot.layers[0].stiffness.push(rule(StiffPart::Nodes(vec!["Left".into()]), 0.125));
     assert!((share(&studio) - 1.0).abs() < 0.02, "values multiply: {}", share(&studio));
+}
+
+#[test]
+fn a_brush_stroke_stiffens_what_it_covers_and_a_later_one_erases() {
+    let mut studio = sheets();
+    let share = |studio: &Studio| stretch(&studio.prepared(), [0.6, 0.5]) / stretch(&studio.prepared(), [1.0, 0.5]);
+    let stroke = |value: f64| BrushStroke {
+        nodes: vec!["Le*".into()],
+        points: vec![[-0.2, -0.2, 0.0], [-0.2, 0.2, 0.0]],
+        radius: 0.5,
+        value,
+    };
+    studio.shot.layers[0].strokes = vec![stroke(8.0)];
+    let painted = share(&studio);
+    assert!(painted < 0.4, "{painted}");
+    studio.shot.layers[0].strokes.push(stroke(8.0));
+    assert!((share(&studio) - painted).abs() < 1e-9, "paint over paint is the same paint");
+    studio.shot.layers[0].strokes.push(stroke(1.0));
+    assert!((share(&studio) - 1.0).abs() < 0.02, "{}", share(&studio));
+    studio.shot.layers[0].strokes = vec![BrushStroke { points: vec![[9.0; 3]], ..stroke(8.0) }];
+    let note = |notes: &[String]| notes.iter().any(|note| note.contains("1 brush stroke of its stiffness"));
+    assert!(note(&studio.prepared().notes), "{:?}", studio.prepared().notes);
+    studio.shot.layers[0].strokes = vec![BrushStroke { nodes: vec!["Lift".into()], ..stroke(8.0) }];
+    let error = PreparedShot::new(studio.shot.clone()).err().map(|error| error.to_string());
+    assert!(error.as_ref().is_some_and(|text| text.contains("no node matches 'Lift'")), "{error:?}");
 }
 
 #[test]

@@ -138,6 +138,7 @@ fn layers() {
 fn stiff_parts() {
     const TWO: &str = "[[layer.stiffness]]\nnodes = [\"a\"]\nmaterial = \"b\"\nvalue = 4\n[output]";
     const NONE: &str = "[[layer.stiffness]]\nmaterial = \"b\"\nvalue = 0\n[output]";
+    const STROKE: &str = "[[layer.stiffness]]\nvalue = 4\nstroke = { radius = 0.1, points = [] }\n[output]";
     const RED: &str = "[[layer.stiffness]]\nvertex_color = \"red\"\nvalue = 2\n[output]";
     check(&[
         case(
@@ -147,6 +148,7 @@ fn stiff_parts() {
         ),
         case(["[output]", TWO], (32, "layer[0].stiffness[0]"), &["or two of them", "their values multiply"]),
         case(["[output]", NONE], (34, "layer[0].stiffness[0].value"), &["from 0.001 to 1000"]),
+        case(["[output]", STROKE], (33, "layer[0].stiffness[0].stroke.points"), &["points"]),
         case(["[output]", RED], (33, "layer[0].stiffness[0].vertex_color"), &["\"r\""]),
         case(
             ["name   = \"spout\"", "region = { radius = 0.1 }"],

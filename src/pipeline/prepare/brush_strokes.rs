@@ -148,7 +148,9 @@ mod tests {
     fn a_stroke_is_full_inside_and_ends_at_its_radius() {
         let stroke = stroke(&[[0.0; 3], [4.0, 0.0, 0.0]], 8.0);
         let drawn = Stroke { stroke: &stroke, nodes: None, low: DVec3::splat(-1.0), high: DVec3::new(5.0, 1.0, 1.0) };
-        for (point, share) in [([2.0, 0.4, 0.0], 1.0), ([2.0, 0.75, 0.0], 0.5), ([2.0, 1.0, 0.0], 0.0), ([-0.4, 0.0, 0.0], 1.0)] {
+        for (point, share) in
+            [([2.0, 0.4, 0.0], 1.0), ([2.0, 0.75, 0.0], 0.5), ([2.0, 1.0, 0.0], 0.0), ([-0.4, 0.0, 0.0], 1.0)]
+        {
             assert!((drawn.share_at(point.into()) - share).abs() < 1e-9, "{point:?}");
         }
         let far = [[9.0, 0.0, 0.0], [9.0, 1.0, 0.0], [10.0, 0.0, 0.0]].map(DVec3::from);

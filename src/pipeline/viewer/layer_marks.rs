@@ -3,14 +3,14 @@
 //! In: a solved [`TimeSample`]. Out: points of the screen, grouped by layer.
 
 use crate::lattice::{Grid, SceneLattice, ScreenLattice};
-use crate::pipeline::evaluate::lattice_box::screen_box;
+use crate::pipeline::evaluate::lattice_box::{screen_box, world_grid};
 use crate::pipeline::evaluate::layer_pins::region;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::screen::Camera;
-use crate::shot::LayerSpace;
+use crate::shot::{LayerSpace, OffsetUnit};
 use crate::solve::{Shape, active_cells};
-use crate::space::{RotatedBox, ScreenPoint};
+use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::{DVec2, DVec3};
 
 /// Line segments per cell and line of the lattice.
@@ -30,6 +30,9 @@ pub struct LayerMarks {
     pub handles: Vec<Option<ScreenPoint>>,
     /// Outlines of folded cells that contain part of the model.
     pub folded: Vec<Vec<ScreenPoint>>,
+    /// World layers, one per handle: how its offset, in sizes of the box, changes for a frame height to the right and one up on
+    /// the screen, at constant depth.
+    pub handle_steps: Vec<[DVec3; 2]>,
     /// The rest box of a screen layer's lattice.
     pub rest_box: Option<RotatedBox>,
     /// The active pins.
@@ -49,6 +52,9 @@ pub struct PinMark {
     pub target: ScreenPoint,
     /// Rim of the pin's region, warped by the lattice; empty if the pin has no region.
     pub rim: Vec<ScreenPoint>,
+    /// World layers: how the target, in metres or, if the pin's unit is the box, in sizes of the box, changes for a frame height
+    /// to the right and one up on the screen, at constant depth.
+    pub steps: Option<[DVec3; 2]>,
 }
 
 /// Returns the marks of all warped layers of a solved frame.
@@ -62,24 +68,34 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
             (None, None) => return None,
         };
         let lattice = state.solution.as_ref().map(|solution| &solution.lattice);
-        let pins = state.pins.iter().filter(|pin| pin.is_in_view);
-        let pin = |state: &PinState| PinMark {
+        let pins = state.pins.iter().enumerate().filter(|(_, pin)| pin.is_in_view);
+        let steps = |place: usize, pin: usize| {
+            let world = state.world.as_ref()?;
+            let unit = prepared.shot.layers[layer].pins[pin].unit;
+            Some(pin_steps(&world.lattice, &sample.camera, (world.pins.get(place)?.target, unit)))
+        };
+        let pin = |(place, state): (usize, &PinState)| PinMark {
             pin: state.pin,
             rest: state.rest,
             target: state.target,
             rim: lattice.map(|lattice| rim(prepared, (layer, state), lattice)).unwrap_or_default(),
+            steps: steps(place, state.pin),
         };
         Some(LayerMarks { pins: pins.map(pin).collect(), ..marks })
     };
     sample.layers.iter().enumerate().filter_map(marks).collect()
 }
 
-/// Returns the marks of screen layers that are not warped: their lattices at rest.
+/// Returns the marks of layers that are not warped: their lattices at rest.
 #[must_use]
 pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
     let is_resting = |(_, state): &(usize, &LayerState)| state.solution.is_none() && state.world.is_none();
     let marks = |(layer, _): (usize, &LayerState)| {
         let marks = LayerMarks { layer, ..LayerMarks::default() };
+        if let Some((frame, grid)) = world_grid(prepared, layer, sample.frame, &sample.pose) {
+            let lattice = SceneLattice { frame, lattice: grid.at_rest() };
+            return Some(of_scene(marks, &lattice, &sample.camera));
+        }
         Some(of_screen(marks, &resting(prepared, sample, layer)?, Shape::default))
     };
     sample.layers.iter().enumerate().filter(is_resting).filter_map(marks).collect()
@@ -183,6 +199,27 @@ fn of_scene(marks: LayerMarks, placed: &SceneLattice, camera: &Camera) -> LayerM
             lines.push((0..=spans[axis] * PIECES).map_while(along).collect());
         }
     }
-    let handles = lattice.handles.iter().map(|&handle| seen(frame.scene_from_box(handle.into()))).collect();
-    LayerMarks { lines, handles, ..marks }
+    let places = || lattice.handles.iter().map(|&handle| frame.scene_from_box(handle.into()));
+    let handle_steps = places().map(|place| in_box(placed, steps(camera, place))).collect();
+    LayerMarks { lines, handles: places().map(seen).collect(), handle_steps, ..marks }
+}
+
+/// Returns the displacements of a point of the scene, metres, that move it by a frame height to the right and up at constant depth.
+fn steps(camera: &Camera, at: DVec3) -> [DVec3; 2] {
+    let w = camera.project_exact(at).w;
+    [ScreenVector::new(1.0, 0.0), ScreenVector::new(0.0, 1.0)].map(|step| camera.scene_from_screen_vector(step, w))
+}
+
+/// Converts vectors of the scene to sizes of a lattice's box, along its axes.
+fn in_box(placed: &SceneLattice, vectors: [DVec3; 2]) -> [DVec3; 2] {
+    let size = DVec3::from(std::array::from_fn(|axis| placed.lattice.grid.size(axis)));
+    vectors.map(|vector| placed.frame.axes().transpose() * vector / size)
+}
+
+/// Returns the steps of a pin in its unit.
+fn pin_steps(placed: &SceneLattice, camera: &Camera, (target, unit): (DVec3, OffsetUnit)) -> [DVec3; 2] {
+    match unit {
+        OffsetUnit::Frame => steps(camera, target),
+        OffsetUnit::Box => in_box(placed, steps(camera, target)),
+    }
 }

@@ -28,7 +28,8 @@ impl PreparedShot {
     pub fn stiff_triangles(&self, sample: &TimeSample) -> Vec<StiffTriangle> {
         let painted = self.layer_inputs.stiffness.iter().enumerate();
         let stiff = |value: f64| value.ln().abs() > LEAST;
-        let count: usize = painted.clone().flat_map(|(_, parts)| parts.values().flatten()).filter(|&&v| stiff(v)).count();
+        let count: usize =
+            painted.clone().flat_map(|(_, parts)| parts.values().flatten()).filter(|&&v| stiff(v)).count();
         let every = count.div_ceil(MAX_TRIANGLES).max(1);
         if count == 0 {
             return Vec::new();
@@ -38,7 +39,8 @@ impl PreparedShot {
         let mut found = Vec::new();
         for (&part, stiffness) in painted.flat_map(|(_, parts)| parts) {
             let (vertices, warp) = (&mesh.parts[part].vertices, &warps[part]);
-            let triangles = primitive(&self.scene, &sample.pose.parts[part]).triangles.iter().zip(stiffness).enumerate();
+            let triangles =
+                primitive(&self.scene, &sample.pose.parts[part]).triangles.iter().zip(stiffness).enumerate();
             for (triangle, (corners, &stiffness)) in triangles.filter(|(_, (_, value))| stiff(**value)).step_by(every) {
                 let ends = corners.map(|corner| vertices[corner as usize]);
                 if ends.iter().any(|end| end.depth < near || end.w <= 0.0 || !end.h.is_finite()) {
