@@ -2,7 +2,7 @@
 //!
 //! In: keys, a channel. Out: values in display units (pixels, degrees, factors), and keys with changed values.
 
-use super::track::{key_at, with_key, without_keys};
+use super::track::{KeyEdit, key_at, with_key};
 use crate::shot::{Ease, Goal, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
@@ -10,10 +10,12 @@ use glam::DVec2;
 /// An animated value of a pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channel {
-    /// The target's x, rightwards, in pixels.
+    /// The target's x: rightwards, in pixels; of keys in the scene, in their own unit.
     X,
-    /// The target's y, upwards, in pixels.
+    /// The target's y: upwards, in pixels; of keys in the scene, in their own unit.
     Y,
+    /// The target's z, of keys in the scene.
+    Z,
     /// Rotation in degrees, counter-clockwise.
     Rotation,
     /// Scale factor.
@@ -25,24 +27,27 @@ impl Channel {
     #[must_use]
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::X => "x, px",
-            Self::Y => "y, px",
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
             Self::Rotation => "rotation, \u{b0}",
             Self::Scale => "scale",
         }
     }
 
-    /// Returns a key's value; `None` if it has none, or one given in scene space. `lines`: frame height in pixels.
+    /// Returns a key's value; `None` if it has none. `lines`: frame height in pixels.
     #[must_use]
     pub(crate) fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
         let place = match key.goal {
-            Goal::Offset(offset) => Some(offset.0),
-            Goal::Target(target) => Some(target.0),
-            Goal::SceneOffset(_) | Goal::SceneTarget(_) => None,
+            Goal::Offset(ScreenVector(place)) | Goal::Target(ScreenPoint(place)) => {
+                [Some(place.x * lines), Some(place.y * lines), None]
+            }
+            Goal::SceneOffset(place) | Goal::SceneTarget(place) => place.map(Some),
         };
         match (self, key.rotate_degrees) {
-            (Self::X, _) => Some(place?.x * lines),
-            (Self::Y, _) => Some(place?.y * lines),
+            (Self::X, _) => place[0],
+            (Self::Y, _) => place[1],
+            (Self::Z, _) => place[2],
             (Self::Rotation, Some(Rotation::InView(angle))) => Some(angle),
             (Self::Rotation, _) => None,
             (Self::Scale, _) => key.scale,
@@ -58,12 +63,21 @@ impl Channel {
             Self::X => DVec2::new(height, old.y),
             _ => DVec2::new(old.x, height),
         };
+        let in_scene = |mut old: [f64; 3]| {
+            old[match self {
+                Self::X => 0,
+                Self::Y => 1,
+                _ => 2,
+            }] = (value * 1e6).round() / 1e6;
+            old
+        };
         match (self, key.goal) {
             (Self::Rotation, _) => key.rotate_degrees = Some(Rotation::InView((value * 1e3).round() / 1e3)),
             (Self::Scale, _) => key.scale = Some((value.clamp(0.01, 100.0) * 1e4).round() / 1e4),
             (_, Goal::Offset(offset)) => key.goal = Goal::Offset(ScreenVector(moved(offset.0))),
             (_, Goal::Target(target)) => key.goal = Goal::Target(ScreenPoint(moved(target.0))),
-            (_, Goal::SceneOffset(_) | Goal::SceneTarget(_)) => {}
+            (_, Goal::SceneOffset(offset)) => key.goal = Goal::SceneOffset(in_scene(offset)),
+            (_, Goal::SceneTarget(target)) => key.goal = Goal::SceneTarget(in_scene(target)),
         }
         key
     }
@@ -138,7 +152,7 @@ const fn controls(ease: Ease) -> Option<[f64; 4]> {
 /// Returns the keys with the key at time `from` replaced by `key`.
 #[must_use]
 pub(in crate::edit) fn with_key_moved(keys: &[PinKey], from: f64, key: PinKey) -> Vec<PinKey> {
-    let rest = if keys.len() > 1 { without_keys(keys, &[from]) } else { Vec::new() };
+    let rest = if keys.len() > 1 { KeyEdit::Remove.apply(keys, &[from]) } else { Vec::new() };
     with_key(&rest, key)
 }
 

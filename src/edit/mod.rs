@@ -23,6 +23,7 @@ mod reference;
 mod regrid;
 mod session;
 mod shortcuts;
+mod tour;
 mod track;
 mod worker;
 mod zoom;
@@ -40,10 +41,13 @@ pub use picture::{Picture, Quality};
 pub(crate) use playhead::Pace;
 pub use playhead::Playhead;
 pub(crate) use reference::Reference;
-pub(crate) use session::{EXPORTS, Onion, Wipe};
-pub use session::{EasePreset, Held, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown};
+pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, EXPORTS, Onion, Wipe};
+pub use session::{
+    Brush, EasePreset, Held, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
+};
 pub use shortcuts::Action;
 pub(crate) use shortcuts::{Chord, Shortcuts};
+pub(crate) use tour::Tour;
 pub(crate) use track::AutoKey;
 pub use worker::SolvedFrame;
 pub use zoom::{Lens, Zoom};

@@ -4,6 +4,7 @@
 
 use super::EditError;
 use crate::files::{TABLE_BYTES, read_text};
+use crate::image::replace_text;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -127,10 +128,13 @@ actions! {
     Mirror "mirror" "Edit" "Mirror edits" "X",
     MirrorPins "mirror_pins" "Edit" "Mirror pins" "Shift+X",
     Wipe "wipe" "View" "Wipe before and after" "W",
+    Ghost "ghost" "View" "Ghost of the rest" "Shift+W",
+    Painted "painted" "View" "Painted stiffness" "Shift+S",
     Hide "hide" "Hold" "Hide everything over the picture" "H",
     Before "before" "Hold" "Show the frame without the warp" "B",
-    Region "region" "Hold" "Drag a pin's region" "R",
-    Stiffness "stiffness" "Hold" "Drag a pin's stiffness" "S",
+    Region "region" "Hold" "Drag a pin's region, or the brush's radius" "R",
+    Stiffness "stiffness" "Hold" "Drag a pin's stiffness, or paint it" "S",
+    Tour "tour" "Help" "Tour of two minutes" "F2",
     Keys "keys" "Help" "List of keys" "F1",
 }
 
@@ -173,13 +177,46 @@ impl Shortcuts {
             let chord = Chord::parse(&chord).ok_or_else(|| (format!("'{chord}' is no key"), hint()))?;
             self.0.insert(*action, chord);
         }
-        for (place, (action, chord)) in self.0.iter().enumerate() {
-            if let Some((other, _)) = self.0.iter().skip(place + 1).find(|(_, other)| *other == chord) {
-                let what = format!("{chord} stands for both '{}' and '{}'", action.id(), other.id());
-                return Err((what, "give one of them another key".into()));
-            }
+        match self.clash() {
+            Some(what) => Err((what, "give one of them another key".into())),
+            None => Ok(self),
         }
-        Ok(self)
+    }
+
+    /// Returns a message if two actions share a chord.
+    fn clash(&self) -> Option<String> {
+        self.0.iter().enumerate().find_map(|(place, (action, chord))| {
+            let (other, _) = self.0.iter().skip(place + 1).find(|(_, other)| *other == chord)?;
+            Some(format!("{chord} stands for both '{}' and '{}'", action.id(), other.id()))
+        })
+    }
+
+    /// Gives an action another chord, and writes the file of the user's keys.
+    ///
+    /// # Errors
+    /// [`EditError`] if another action has the chord, the key of a held action has modifiers, or the file cannot be written;
+    /// the shortcuts are then unchanged.
+    pub(crate) fn rebind(&mut self, action: Action, chord: Chord, path: &Path) -> Result<(), EditError> {
+        let unusable = |what: String, hint: &str| EditError::Unusable { what, hint: hint.to_owned() };
+        if action.group() == "Hold" && (chord.command || chord.shift || chord.alt) {
+            return Err(unusable(format!("{chord} has more than one key"), "held keys stand alone: press one letter"));
+        }
+        let mut new = self.clone();
+        new.0.insert(action, chord);
+        if let Some(what) = new.clash() {
+            return Err(unusable(what, "press another key"));
+        }
+        let usual = Self::default();
+        let own = new.0.iter().filter(|(action, chord)| usual.of(**action) != Some(chord));
+        let own: BTreeMap<&str, String> = own.map(|(action, chord)| (action.id(), chord.to_string())).collect();
+        let text =
+            serde_json::to_string_pretty(&own).map_err(|error| unusable(error.to_string(), "press another key"))?;
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|source| EditError::Io { path: folder.to_owned(), source })?;
+        }
+        replace_text(path, &text)?;
+        *self = new;
+        Ok(())
     }
 
     /// Returns the chord of an action.
@@ -211,5 +248,22 @@ mod tests {
         assert!(fault("{\"undo\": \"Hyper+U\"}").contains("'Hyper+U' is no key"));
         assert!(fault("{\"undo\": \"Ctrl+S\"}").contains("both 'save' and 'undo'"));
         assert!(fault("[]").contains("expected"));
+    }
+
+    #[test]
+    fn keys_bound_in_the_window_are_kept_and_clashes_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("state/keys.json");
+        let mut own = Shortcuts::default();
+        let chord = |text: &str| Chord::parse(text).expect("a chord");
+        own.rebind(Action::Undo, chord("Alt+U"), &path).expect("free");
+        assert_eq!(Shortcuts::read(&path).expect("as written"), own);
+        assert_eq!(std::fs::read_to_string(&path).expect("written"), "{\n  \"undo\": \"Alt+U\"\n}");
+        let before = own.clone();
+        let error = own.rebind(Action::Redo, chord("Ctrl+S"), &path).expect_err("taken");
+        assert!(error.to_string().contains("both 'save' and 'redo'"), "{error}");
+        let error = own.rebind(Action::Hide, chord("Ctrl+J"), &path).expect_err("two keys");
+        assert!(error.to_string().contains("held keys"), "{error}");
+        assert_eq!(own, before);
     }
 }

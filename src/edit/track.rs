@@ -5,7 +5,7 @@
 use super::EditError;
 use crate::shot::{Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// How moving a pin affects its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,25 +68,29 @@ pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) 
     Some(PinKey { frame: time, goal: target.goal, rotate_degrees, scale: target.log_scale.map(f64::exp), ease })
 }
 
-/// Returns the keys of a pin after a gesture at a time. `box_size`: size of the layer's lattice in frame heights, if
-/// known.
+/// What a movement on the screen means in the unit of a pin, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::edit) struct PinScale {
+    /// The rest box of the layer's lattice on the screen.
+    pub(in crate::edit) rest_box: Option<RotatedBox>,
+    /// For keys in the scene: how they change for a frame height to the right and one up.
+    pub(in crate::edit) steps: Option<[DVec3; 2]>,
+}
+
+/// Returns the keys of a pin after a gesture at a time.
 ///
 /// # Errors
-/// [`EditError::Unusable`] if the pin is keyed in scene space.
+/// [`EditError::Unusable`] if the pin has keys in the scene and is not seen, or turns about the scene's axes.
 pub(in crate::edit) fn moved(
     shot: &Shot,
     at: [usize; 2],
     (time, auto): (f64, AutoKey),
     change: Move,
-    rest_box: Option<RotatedBox>,
+    scale: PinScale,
 ) -> Result<Vec<PinKey>, EditError> {
     let (layer, pin) = (&shot.layers[at[0]], &shot.layers[at[0]].pins[at[1]]);
     let strength = if layer.strength.abs() < 1e-6 { 1.0 } else { layer.strength };
-    let in_unit = |by: DVec2| match (pin.unit, rest_box) {
-        (OffsetUnit::Box, Some(rest_box)) => box_sizes(rest_box, by),
-        _ => by,
-    };
-    let change_key = |key: &PinKey| changed(key, change, strength, in_unit).ok_or_else(|| in_scene(pin));
+    let change_key = |key: &PinKey| changed(key, change, strength, (pin.unit, scale)).ok_or_else(|| in_scene(pin));
     if auto == AutoKey::Off {
         return pin.keys.iter().map(change_key).collect();
     }
@@ -101,13 +105,22 @@ pub(in crate::edit) fn box_sizes(rest_box: RotatedBox, vector: DVec2) -> DVec2 {
 
 fn in_scene(pin: &Pin) -> EditError {
     EditError::Unusable {
-        what: format!("pin '{}' has keys in the scene, in metres", pin.name),
-        hint: "type its numbers into the shot file, or give it keys of two numbers".into(),
+        what: format!("pin '{}' has keys in the scene that cannot be dragged like this", pin.name),
+        hint: "go to a frame in which it is seen, or type its numbers".into(),
     }
 }
 
-fn changed(key: &PinKey, change: Move, strength: f64, in_unit: impl Fn(DVec2) -> DVec2) -> Option<PinKey> {
+fn changed(key: &PinKey, change: Move, strength: f64, (unit, scale): (OffsetUnit, PinScale)) -> Option<PinKey> {
     let mut key = *key;
+    let in_unit = |by: DVec2| match (unit, scale.rest_box) {
+        (OffsetUnit::Box, Some(rest_box)) => box_sizes(rest_box, by),
+        _ => by,
+    };
+    let in_scene = |old: [f64; 3], by: DVec2| {
+        let [right, up] = scale.steps?;
+        let new = DVec3::from(old) + (right * by.x + up * by.y) / strength;
+        Some(new.to_array().map(|x| round(x, 1e6)))
+    };
     match change {
         Move::By(by) => {
             key.goal = match key.goal {
@@ -115,7 +128,10 @@ fn changed(key: &PinKey, change: Move, strength: f64, in_unit: impl Fn(DVec2) ->
                     Goal::Offset(ScreenVector(rounded(offset + in_unit(by) / strength)))
                 }
                 Goal::Target(ScreenPoint(target)) => Goal::Target(ScreenPoint(rounded(target + by / strength))),
-                Goal::SceneOffset(_) | Goal::SceneTarget(_) => return None,
+                Goal::SceneOffset(offset) => Goal::SceneOffset(in_scene(offset, by)?),
+                // Targets are in metres, whatever the unit of offsets is.
+                Goal::SceneTarget(target) if unit == OffsetUnit::Frame => Goal::SceneTarget(in_scene(target, by)?),
+                Goal::SceneTarget(_) => return None,
             }
         }
         Move::Turn(degrees) => {
@@ -143,36 +159,84 @@ fn round(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts
 }
 
+/// A key of a pin or a handle.
+pub(in crate::edit) trait TimedKey: Copy {
+    /// Its time.
+    fn time(&self) -> f64;
+    /// The same key at another time.
+    fn at(self, time: f64) -> Self;
+    /// The same key with another ease.
+    fn with_ease(self, ease: Ease) -> Self;
+}
+
+impl TimedKey for PinKey {
+    fn time(&self) -> f64 {
+        self.frame
+    }
+
+    fn at(self, frame: f64) -> Self {
+        Self { frame, ..self }
+    }
+
+    fn with_ease(self, ease: Ease) -> Self {
+        Self { ease, ..self }
+    }
+}
+
+impl TimedKey for HandleKey {
+    fn time(&self) -> f64 {
+        self.frame
+    }
+
+    fn at(self, frame: f64) -> Self {
+        Self { frame, ..self }
+    }
+
+    fn with_ease(self, ease: Ease) -> Self {
+        Self { ease, ..self }
+    }
+}
+
+/// A change of chosen keys, the same for pins and handles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::edit) enum KeyEdit {
+    /// They are removed; the last key of a pin or handle is kept.
+    Remove,
+    /// They move by a number of frames; keys that they land on are removed.
+    Shift(f64),
+    /// They get an ease.
+    Ease(Ease),
+}
+
+impl KeyEdit {
+    /// Returns the keys after the change of those at some times.
+    #[must_use]
+    pub(in crate::edit) fn apply<K: TimedKey>(self, keys: &[K], times: &[f64]) -> Vec<K> {
+        let is_chosen = |key: &&K| times.contains(&key.time());
+        match self {
+            Self::Remove => {
+                let kept: Vec<K> = keys.iter().filter(|key| !is_chosen(key)).copied().collect();
+                if kept.is_empty() { keys.first().copied().into_iter().collect() } else { kept }
+            }
+            Self::Shift(by) => {
+                let rest: Vec<K> = keys.iter().filter(|key| !is_chosen(key)).copied().collect();
+                let moved = keys.iter().filter(is_chosen).map(|key| key.at(key.time() + by));
+                moved.fold(rest, |keys, key| with_key(&keys, key))
+            }
+            Self::Ease(ease) => {
+                keys.iter().map(|key| if is_chosen(&key) { key.with_ease(ease) } else { *key }).collect()
+            }
+        }
+    }
+}
+
 /// Inserts a key, replacing one at the same time.
 #[must_use]
-pub(in crate::edit) fn with_key(keys: &[PinKey], key: PinKey) -> Vec<PinKey> {
-    let mut keys: Vec<PinKey> = keys.iter().filter(|other| other.frame != key.frame).copied().collect();
-    let place = keys.partition_point(|other| other.frame < key.frame);
+pub(in crate::edit) fn with_key<K: TimedKey>(keys: &[K], key: K) -> Vec<K> {
+    let mut keys: Vec<K> = keys.iter().filter(|other| other.time() != key.time()).copied().collect();
+    let place = keys.partition_point(|other| other.time() < key.time());
     keys.insert(place, key);
     keys
-}
-
-/// Removes the keys at some times; the last key is kept.
-#[must_use]
-pub(in crate::edit) fn without_keys(keys: &[PinKey], times: &[f64]) -> Vec<PinKey> {
-    let kept: Vec<PinKey> = keys.iter().filter(|key| !times.contains(&key.frame)).copied().collect();
-    if kept.is_empty() { keys.first().copied().into_iter().collect() } else { kept }
-}
-
-/// Moves the keys at some times by a number of frames; keys that they land on are removed.
-#[must_use]
-pub(in crate::edit) fn shifted(keys: &[PinKey], times: &[f64], by: f64) -> Vec<PinKey> {
-    let is_moved = |key: &&PinKey| times.contains(&key.frame);
-    let moved: Vec<PinKey> = keys.iter().filter(is_moved).map(|key| PinKey { frame: key.frame + by, ..*key }).collect();
-    let rest: Vec<PinKey> = keys.iter().filter(|key| !is_moved(key)).copied().collect();
-    moved.into_iter().fold(rest, |keys, key| with_key(&keys, key))
-}
-
-/// Sets the ease of the keys at some times.
-#[must_use]
-pub(in crate::edit) fn eased(keys: &[PinKey], times: &[f64], ease: Ease) -> Vec<PinKey> {
-    let ease = |key: &PinKey| if times.contains(&key.frame) { PinKey { ease, ..*key } } else { *key };
-    keys.iter().map(ease).collect()
 }
 
 /// Returns the keys of a handle after a drag at a time; `by` in units of the lattice box's size.
@@ -215,11 +279,11 @@ mod tests {
     fn a_drag_keys_this_time_and_lands_under_the_pointer() {
         let shot = shot("strength = 0.5");
         let by = Move::By(DVec2::new(0.1, 0.2));
-        let keys = moved(&shot, [0, 0], (6.0, AutoKey::On), by, None).expect("screen keys");
+        let keys = moved(&shot, [0, 0], (6.0, AutoKey::On), by, PinScale::default()).expect("screen keys");
         assert_eq!(keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 6.0, 11.0]);
         // Halfway along the keys; at half strength, half of the keyed value is applied.
         assert_eq!((offset(&keys[1]), keys[1].rotate_degrees), (DVec2::new(0.7, 0.4), Some(Rotation::InView(10.0))));
-        let keys = moved(&shot, [0, 0], (6.0, AutoKey::Off), by, None).expect("screen keys");
+        let keys = moved(&shot, [0, 0], (6.0, AutoKey::Off), by, PinScale::default()).expect("screen keys");
         assert_eq!(keys.iter().map(offset).collect::<Vec<_>>(), [DVec2::new(0.2, 0.4), DVec2::new(1.2, 0.4)]);
     }
 
@@ -234,13 +298,27 @@ mod tests {
     fn keys_are_moved_eased_and_removed_in_order() {
         let keys = &shot("").layers[0].pins[0].keys;
         let times = |keys: &[PinKey]| keys.iter().map(|key| key.frame).collect::<Vec<_>>();
-        assert_eq!(times(&shifted(keys, &[1.0], 20.0)), [11.0, 21.0]);
-        assert_eq!(times(&shifted(keys, &[1.0], 10.0)), [11.0], "it takes the place of what it lands on");
+        assert_eq!(times(&KeyEdit::Shift(20.0).apply(keys, &[1.0])), [11.0, 21.0]);
+        assert_eq!(times(&KeyEdit::Shift(10.0).apply(keys, &[1.0])), [11.0], "it takes the place of what it lands on");
         assert_eq!(
-            (times(&without_keys(keys, &[11.0])), times(&without_keys(keys, &[1.0, 11.0]))),
+            (times(&KeyEdit::Remove.apply(keys, &[11.0])), times(&KeyEdit::Remove.apply(keys, &[1.0, 11.0]))),
             (vec![1.0], vec![1.0])
         );
-        let eased = eased(keys, &[1.0], Ease::Hold);
+        let eased = KeyEdit::Ease(Ease::Hold).apply(keys, &[1.0]);
         assert_eq!([eased[0].ease, eased[1].ease], [Ease::Hold, Ease::Linear]);
+    }
+
+    #[test]
+    fn keys_in_the_scene_follow_the_pointer_at_constant_depth() {
+        let mut shot = shot("strength = 2.0");
+        let own = &mut shot.layers[0].pins[0];
+        own.keys = vec![PinKey { goal: Goal::SceneOffset([1.0, 0.0, 0.0]), ..own.keys[0] }];
+        let by = Move::By(DVec2::new(0.5, 0.25));
+        let steps = Some([DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 8.0)]);
+        let scale = PinScale { rest_box: None, steps };
+        let keys = moved(&shot, [0, 0], (1.0, AutoKey::On), by, scale).expect("seen");
+        assert_eq!(keys[0].goal, Goal::SceneOffset([2.0, 0.0, 1.0]));
+        let error = moved(&shot, [0, 0], (1.0, AutoKey::On), by, PinScale::default()).expect_err("not seen");
+        assert!(error.to_string().contains("in the scene"), "{error}");
     }
 }

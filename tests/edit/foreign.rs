@@ -115,7 +115,7 @@ fn a_lattice_in_the_scene_is_edited_beside_one_of_the_screen() {
     fs::write(stage.shot(), text).expect("written");
     let mut session = stage.session();
     is_edited(&mut session, [0.4, 0.5]);
-    session.set_dims([8, 8]);
+    session.set_dims(&[8, 8]);
     assert!(session.message().is_some_and(|text| text.contains("three dims")), "{:?}", session.message());
     is_edited(&mut session, [1.25, 0.5]);
 }

@@ -4,9 +4,12 @@
 #[path = "../support/tiny.rs"]
 mod tiny;
 
+mod brush;
 mod foreign;
 mod model;
+mod panels;
 mod pins;
 mod snapshot;
+mod space;
 mod stage;
 mod window;

@@ -108,7 +108,7 @@ fn a_handle_of_a_layer_without_pins_is_dragged_and_kept_in_other_dims() {
     let moved = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
     assert!((moved - handle - glam::DVec2::new(0.05, 0.08)).length() < 1e-6, "{moved} from {handle}");
     let keys = handles(&session)[0].keys.clone();
-    session.set_dims([11, 11]);
+    session.set_dims(&[11, 11]);
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let finer = handles(&session);
     assert_eq!((finer.len(), &finer[0].keys), (1, &keys));

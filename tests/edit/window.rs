@@ -13,9 +13,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// The editor, which is made in its first pass.
-type Window = Harness<'static, Option<Editor>>;
+pub(crate) type Window = Harness<'static, Option<Editor>>;
 
-fn window(state: &Path, file: Option<&Path>) -> Window {
+pub(crate) fn window(state: &Path, file: Option<&Path>) -> Window {
     let options =
         EditorOptions { device: DeviceChoice::Cpu, access: FileAccess::SceneFolder, folder: state.to_owned() };
     let file = file.map(Path::to_owned);
@@ -34,11 +34,11 @@ fn window(state: &Path, file: Option<&Path>) -> Window {
     window
 }
 
-fn session(window: &Window) -> &Session {
+pub(crate) fn session(window: &Window) -> &Session {
     window.state().as_ref().and_then(Editor::session).expect("a shot is open")
 }
 
-fn until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) {
+pub(crate) fn until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) {
     let begun = Instant::now();
     while !holds(window) {
         assert!(begun.elapsed() < TIMEOUT, "{what}");
@@ -48,11 +48,11 @@ fn until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) {
     window.run_steps(2);
 }
 
-fn settled(window: &mut Window) {
+pub(crate) fn settled(window: &mut Window) {
     until(window, "the frame is drawn", |window| session(window).is_final());
 }
 
-fn pointer(window: &mut Window, at: Pos2, pressed: Option<bool>) {
+pub(crate) fn pointer(window: &mut Window, at: Pos2, pressed: Option<bool>) {
     window.event(Event::PointerMoved(at));
     if let Some(pressed) = pressed {
         let modifiers = Modifiers::NONE;
@@ -62,7 +62,7 @@ fn pointer(window: &mut Window, at: Pos2, pressed: Option<bool>) {
 }
 
 /// A point of the picture in the window, in frame heights from its lower left corner.
-fn place(window: &Window, x: f64, y: f64) -> Pos2 {
+pub(crate) fn place(window: &Window, x: f64, y: f64) -> Pos2 {
     let rect: Rect = window.get_by_label("Viewport").rect();
     let session = session(window);
     let viewport = glam::DVec2::new(rect.width().into(), rect.height().into());

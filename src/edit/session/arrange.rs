@@ -2,6 +2,7 @@
 //!
 //! In: user commands. Out: one document change each.
 
+use super::handles::axes_of;
 use super::{Purpose, Session};
 use crate::edit::regrid::regridded;
 use crate::plate::Matte;
@@ -99,24 +100,39 @@ impl Session {
 
     /// Changes the dims of the selected layer's lattice. Pins preserve the edit; manually moved handles are transferred
     /// to the nearest new handles.
-    pub fn set_dims(&mut self, dims: [usize; 2]) {
+    pub fn set_dims(&mut self, dims: &[usize]) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer).cloned() else { return };
-        let LayerSpace::Screen { dims: old, .. } = layer.space else {
-            return self.say("A lattice in the scene has three dims: change them in the shot file.");
+        let tracks = match (layer.space, dims) {
+            (LayerSpace::Screen { dims: old, .. }, &[columns, rows]) => {
+                regridded(&layer.handles, layer.basis, (old, [columns, rows]))
+            }
+            (LayerSpace::World { dims: old, .. }, &[x, y, z]) => {
+                regridded(&layer.handles, layer.basis, (old, [x, y, z]))
+            }
+            (LayerSpace::World { .. }, _) => return self.say("A lattice in the scene has three dims."),
+            (LayerSpace::Screen { .. }, _) => return self.say("A lattice on the screen has two dims."),
         };
         let mut text = Ok(self.document.text().to_owned());
         for track in &layer.handles {
-            text = text.and_then(|text| put_handle(&text, &layer.name, &track.index[..2], &[]));
+            let index = axes_of(layer.space, &track.index);
+            text = text.and_then(|text| put_handle(&text, &layer.name, index, &[]));
         }
         let setting = Setting::Wholes(dims.iter().map(|&count| count as i64).collect());
         text = text.and_then(|text| put_layer_setting(&text, &layer.name, &["lattice", "dims"], &setting));
-        for track in regridded(&layer.handles, layer.basis, (old, dims)) {
-            text = text.and_then(|text| put_handle(&text, &layer.name, &track.index[..2], &track.keys));
+        for track in tracks {
+            let index = axes_of(layer.space, &track.index);
+            text = text.and_then(|text| put_handle(&text, &layer.name, index, &track.keys));
         }
         self.selection.handles.clear();
         // Resizes are not merged when handles were moved: handles that coincide in an intermediate size would be lost.
         let series = layer.handles.is_empty().then(|| format!("dims {}", layer.name));
         self.change("Resize lattice", text, series.as_deref());
+    }
+
+    /// Sets the patterns of node names that the selected layer moves; none: all nodes.
+    pub fn set_nodes(&mut self, nodes: Vec<String>) {
+        let setting = if nodes.is_empty() { Setting::Default } else { Setting::Texts(nodes) };
+        self.set_layer("Change nodes", &["nodes"], &setting, None);
     }
 
     /// Sets the part of a plate that the selected layer moves.

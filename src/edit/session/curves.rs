@@ -46,7 +46,7 @@ impl Session {
         let free = |key: &PinKey| match channel {
             Channel::Rotation => PinKey { rotate_degrees: None, ..*key },
             Channel::Scale => PinKey { scale: None, ..*key },
-            Channel::X | Channel::Y => *key,
+            Channel::X | Channel::Y | Channel::Z => *key,
         };
         let keys = pin.keys.iter().map(free).collect();
         self.write_keys("Free pin", &[(at, keys)], None);

@@ -1,6 +1,6 @@
 //! The pointer gesture in progress.
 
-use crate::shot::Shot;
+use crate::shot::{BrushStroke, Shot};
 use crate::space::ScreenPoint;
 use std::sync::Arc;
 
@@ -43,4 +43,38 @@ pub(super) enum Gesture {
         from: ScreenPoint,
         to: ScreenPoint,
     },
+    Paint(Painting),
+    /// Sizes the brush around a centre.
+    BrushSize {
+        center: ScreenPoint,
+    },
+    /// Moves the line between the frames with and without the warp.
+    Wipe,
+}
+
+impl Gesture {
+    pub(super) const fn is_idle(&self) -> bool {
+        matches!(self, Self::Idle)
+    }
+}
+
+/// Painting in progress.
+#[derive(Clone, Debug)]
+pub(super) struct Painting {
+    /// Returned with the answers to its questions.
+    pub(super) id: u64,
+    /// The strokes so far: a new one begins where the brush leaves the surface or jumps.
+    pub(super) strokes: Vec<BrushStroke>,
+    /// The painted layer, that of the first point.
+    pub(super) layer: Option<usize>,
+    /// The stiffness that is painted; 1 erases.
+    pub(super) value: f64,
+    /// Where the pen was when the last point was asked for.
+    pub(super) asked_at: ScreenPoint,
+    /// Number of questions without an answer.
+    pub(super) waiting: usize,
+    /// Whether the next point begins a stroke.
+    pub(super) is_broken: bool,
+    pub(super) is_up: bool,
+    pub(super) base: Arc<Shot>,
 }

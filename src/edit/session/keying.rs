@@ -2,10 +2,12 @@
 //!
 //! In: user commands. Out: one document change each.
 
+use super::handles::axes_of;
 use super::{Purpose, Session};
-use crate::edit::track::{eased, key_at, key_time, shifted, with_key, without_keys};
-use crate::shot::edit::Setting;
+use crate::edit::track::{KeyEdit, key_at, key_time, with_key};
+use crate::shot::edit::{PinName, Setting, put_handle, put_keys};
 use crate::shot::{Ease, PinKey};
+use std::collections::BTreeSet;
 
 /// Named eases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,7 +106,6 @@ impl Session {
     pub fn choose_key(&mut self, at: [usize; 2], time: f64, adds: bool) {
         let is_chosen = self.selection.has_key(at, time);
         if !adds && !is_chosen {
-            self.selection.keys.clear();
             self.selection.only_pin(at);
         }
         if adds && is_chosen {
@@ -115,47 +116,82 @@ impl Session {
         }
     }
 
-    /// Changes the selected keys, pin by pin.
-    fn change_keys(&mut self, label: &str, change: impl Fn(&[PinKey], &[f64]) -> Vec<PinKey>) -> bool {
-        let shot = self.document.shot();
-        let mut pins: Vec<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();
-        pins.sort_unstable();
-        pins.dedup();
-        let keys: Vec<_> = pins
-            .into_iter()
-            .filter_map(|at| {
-                let pin = shot.layers.get(at[0])?.pins.get(at[1])?;
-                Some((at, change(&pin.keys, &self.selection.times_of(at))))
-            })
-            .collect();
-        !keys.is_empty() && self.write_keys(label, &keys, None)
+    /// Selects a key of a handle; with `adds`, toggles it and keeps the other keys selected.
+    pub fn choose_handle_key(&mut self, at: (usize, [usize; 3]), time: f64, adds: bool) {
+        let is_chosen = self.selection.handle_keys.contains(&(at, time));
+        if !adds && !is_chosen {
+            self.selection.clear();
+            self.selection.layer = at.0;
+        }
+        if adds && is_chosen {
+            self.selection.handle_keys.retain(|key| *key != (at, time));
+        } else if !is_chosen {
+            self.selection.handles.insert(at);
+            self.selection.handle_keys.push((at, time));
+        }
     }
 
-    /// Deletes the selected keys; the last key of a pin is kept.
-    pub(crate) fn delete_keys(&mut self) {
-        self.change_keys("Delete keys", without_keys);
+    /// Changes the selected keys of all pins and handles at once.
+    fn change_keys(&mut self, label: &str, edit: KeyEdit) -> bool {
+        if !self.selection.has_keys() {
+            return false;
+        }
+        let shot = self.document.shot();
+        let pins: BTreeSet<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();
+        let handles: BTreeSet<(usize, [usize; 3])> = self.selection.handle_keys.iter().map(|(at, _)| *at).collect();
+        if let Some(message) = pins.iter().find_map(|&at| self.follows(at)) {
+            self.say(message);
+            return false;
+        }
+        let mut text = Ok(self.document.text().to_owned());
+        for at in pins {
+            let Some(owner) = shot.layers.get(at[0]) else { continue };
+            let Some(pin) = owner.pins.get(at[1]) else { continue };
+            let keys = edit.apply(&pin.keys, &self.selection.times_of(at));
+            let name = PinName { layer: &owner.name, pin: &pin.name };
+            text = text.and_then(|text| put_keys(&text, name, &keys));
+        }
+        for at in handles {
+            let Some(owner) = shot.layers.get(at.0) else { continue };
+            let Some(track) = owner.handles.iter().find(|track| track.index == at.1) else { continue };
+            let keys = edit.apply(&track.keys, &self.selection.times_of_handle(at));
+            text = text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, &at.1), &keys));
+        }
+        self.change(label, text, None)
+    }
+
+    /// Deletes the selected keys; the last key of a pin or handle is kept.
+    pub fn delete_keys(&mut self) {
+        self.change_keys("Delete keys", KeyEdit::Remove);
     }
 
     /// Moves the selected keys by a number of frames.
-    pub(crate) fn shift_keys(&mut self, by: i32) {
+    pub fn shift_keys(&mut self, by: i32) {
         if by == 0 {
             return;
         }
-        let moved: Vec<_> = self.selection.keys.iter().map(|(at, time)| (*at, time + f64::from(by))).collect();
-        if self.change_keys("Move keys", |keys, times| shifted(keys, times, f64::from(by))) {
-            self.selection.keys = moved;
+        let by = f64::from(by);
+        let pins: Vec<_> = self.selection.keys.iter().map(|(at, time)| (*at, time + by)).collect();
+        let handles: Vec<_> = self.selection.handle_keys.iter().map(|(at, time)| (*at, time + by)).collect();
+        if self.change_keys("Move keys", KeyEdit::Shift(by)) {
+            (self.selection.keys, self.selection.handle_keys) = (pins, handles);
         }
     }
 
-    /// Sets the ease of the selected keys, or of all keys of the selected pins if no key is selected.
+    /// Sets the ease of the selected keys, or of all keys of the selected pins and handles if no key is selected.
     pub fn ease_keys(&mut self, preset: EasePreset) {
-        if self.selection.keys.is_empty() {
+        if !self.selection.has_keys() {
             let shot = self.document.shot();
             let of = |at: [usize; 2]| shot.layers[at[0]].pins[at[1]].keys.iter().map(move |key| (at, key.frame));
-            let all: Vec<_> = self.selection.pins.iter().copied().flat_map(of).collect();
-            self.selection.keys = all;
+            let of_handle = |at: (usize, [usize; 3])| {
+                let tracks = shot.layers[at.0].handles.iter().filter(move |track| track.index == at.1);
+                tracks.flat_map(move |track| track.keys.iter().map(move |key| (at, key.frame)))
+            };
+            let keys: Vec<_> = self.selection.pins.iter().copied().flat_map(of).collect();
+            let handle_keys: Vec<_> = self.selection.handles.iter().copied().flat_map(of_handle).collect();
+            (self.selection.keys, self.selection.handle_keys) = (keys, handle_keys);
         }
-        self.change_keys(&format!("{} keys", preset.name()), |keys, times| eased(keys, times, preset.ease()));
+        self.change_keys(&format!("{} keys", preset.name()), KeyEdit::Ease(preset.ease()));
     }
 
     /// Goes to the next or previous key of the selected pins, or of the layer's if no pin is selected.

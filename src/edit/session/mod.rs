@@ -7,7 +7,9 @@ mod clipboard;
 mod curves;
 mod export_run;
 mod gesture;
+mod handles;
 mod keying;
+mod painting;
 mod placing;
 mod pointer;
 mod render_run;
@@ -17,6 +19,8 @@ mod shown;
 pub use arrange::MatteChoice;
 pub(crate) use export_run::EXPORTS;
 pub use keying::EasePreset;
+pub use painting::Brush;
+pub(crate) use painting::{BRUSH_RADII, BRUSH_STIFFNESSES};
 pub use pointer::{Held, PinPart, Ring};
 pub use render_run::{RenderRun, RunState};
 pub use selection::Selection;
@@ -61,6 +65,12 @@ pub struct Session {
     pub(crate) auto_key: AutoKey,
     /// Whether edits of a pin are mirrored to its counterpart on the other side.
     pub mirrors: bool,
+    /// The brush for stiffness.
+    pub brush: Brush,
+    /// The painted triangles that are known.
+    painted: Option<painting::PaintedFrame>,
+    /// Revision and frame for which they were requested last.
+    painted_asked: Option<(u64, i32)>,
     /// Names of muted layers.
     muted: BTreeSet<String>,
     /// The soloed layer.
@@ -108,6 +118,9 @@ impl Session {
             shown: Shown::default(),
             auto_key: AutoKey::default(),
             mirrors: false,
+            brush: Brush::default(),
+            painted: None,
+            painted_asked: None,
             muted: BTreeSet::new(),
             solo: None,
             revision: 1,
@@ -254,6 +267,8 @@ impl Session {
             Reply::Drawn(picture) => self.take_picture(picture),
             Reply::Before(picture) => self.before = Some(picture),
             Reply::Picked(id, point) => self.picked(id, point),
+            Reply::Brushed(id, point) => self.brushed(id, point),
+            Reply::Painted { revision, frame, triangles } => self.take_painted((revision, frame), triangles),
             Reply::Progress(part) => self.progress = (part < 1.0).then_some(part),
             Reply::Failed(text) => {
                 self.fault = Some(text);
@@ -354,7 +369,7 @@ impl Session {
             }
         }
         let next = match purpose {
-            Purpose::Drag(_) => Vec::new(),
+            Purpose::Drag(_) | Purpose::Paint => Vec::new(),
             Purpose::Look | Purpose::Play => self.frames_ahead(),
         };
         let with_before = self.shown.wipe != Wipe::Off && purpose == Purpose::Look;

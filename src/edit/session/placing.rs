@@ -25,7 +25,7 @@ impl Session {
     /// Asks the worker what surface lies under the pointer.
     pub(super) fn ask_for_point(&mut self, at: ScreenPoint) -> u64 {
         self.next_question += 1;
-        self.worker.ask(Question { id: self.next_question, at });
+        self.worker.ask(Question::Point { id: self.next_question, at });
         self.next_question
     }
 
@@ -86,11 +86,10 @@ impl Session {
         let mut text = Ok(self.document.text().to_owned());
         let mut added = Vec::new();
         for [layer, pin] in chosen {
-            let owner = &self.document.shot().layers[layer];
-            let is_followed = owner
-                .pins
-                .iter()
-                .any(|other| other.mirror.is_some_and(|mirror| [mirror.layer, mirror.pin] == [layer, pin]));
+            let layers = &self.document.shot().layers;
+            let owner = &layers[layer];
+            let mut others = layers.iter().flat_map(|layer| &layer.pins).filter_map(|other| other.mirror);
+            let is_followed = others.any(|mirror| [mirror.layer, mirror.pin] == [layer, pin]);
             if is_followed || owner.pins[pin].mirror.is_some() {
                 continue;
             }
@@ -110,19 +109,25 @@ impl Session {
         }
     }
 
-    /// Deletes the selected pins, with the pins that follow them.
+    /// Deletes the selected pins, with the pins that follow them, and puts the selected handles back to rest.
     pub fn delete_pins(&mut self) {
-        let mut text = Ok(self.document.text().to_owned());
         let chosen: Vec<[usize; 2]> = self.selection.pins.iter().copied().chain(self.followers()).collect();
         let names: BTreeSet<_> = chosen.into_iter().filter_map(|at| self.names_of(at)).collect();
-        if names.is_empty() {
+        let handles = self.selection.handles.len();
+        if names.is_empty() && handles == 0 {
             return self.say("No pin is selected: click one first.");
         }
+        let mut text = self.without_handles(self.document.text());
         for (layer, pin) in &names {
             text = text.and_then(|text| remove_pin(&text, PinName { layer, pin }));
         }
         self.selection.clear();
-        let label = if names.len() == 1 { "Delete pin" } else { "Delete pins" };
+        let label = match (names.len(), handles) {
+            (0, 1) => "Reset handle",
+            (0, _) => "Reset handles",
+            (1, 0) => "Delete pin",
+            _ => "Delete pins",
+        };
         self.change(label, text, None);
     }
 

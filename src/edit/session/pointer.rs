@@ -2,14 +2,17 @@
 //!
 //! In: pointer positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
-use super::gesture::Gesture;
+use super::gesture::{Gesture, Painting};
+use super::handles::axes_of;
+use super::painting::BRUSH_RADII;
+use super::shown::Wipe;
 use super::{Purpose, Session};
 use crate::edit::EditError;
-use crate::edit::track::{Move, box_sizes, handle_moved, key_time, moved};
+use crate::edit::track::{Move, PinScale, key_time, moved};
 use crate::pipeline::LayerMarks;
 use crate::shot::edit::put_handle;
-use crate::shot::{HandleTrack, LayerSpace, PinKey, PinRegion, Shot};
-use crate::space::{RotatedBox, ScreenPoint};
+use crate::shot::{PinKey, PinRegion, Shot};
+use crate::space::ScreenPoint;
 use crate::spelling::other_side;
 use glam::DVec2;
 use std::sync::Arc;
@@ -63,7 +66,7 @@ impl Session {
     pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
         self.playhead.go(self.playhead.frame());
         let base = Arc::new(self.document.shot().clone());
-        if let Some(center) = self.ring_center()
+        if let Some(center) = self.ring_center().filter(|_| held.part == PinPart::Target)
             && ((at - center).0.length() - ring.radius).abs() <= ring.reach
         {
             self.gesture = Gesture::Turn { center, from: at, base };
@@ -87,7 +90,24 @@ impl Session {
             };
             return;
         }
+        match held.part {
+            PinPart::Stiffness => return self.begin_stroke(at, held.adds),
+            PinPart::Radius => {
+                self.gesture = Gesture::BrushSize { center: at };
+                return;
+            }
+            PinPart::Target => {}
+        }
+        if let Some(share) = self.shown.wipe.share()
+            && (at.0.x - f64::from(share) * base.size.aspect()).abs() <= reach
+        {
+            self.gesture = Gesture::Wipe;
+            return;
+        }
         if let Some(handle) = self.handle_near(at, reach) {
+            if base.layers[handle.0].has_auto_dims {
+                return self.say("The dims of this lattice follow its pins: set them in the layer's settings first.");
+            }
             if !self.selection.handles.contains(&handle) && !held.adds {
                 self.selection.clear();
             }
@@ -115,6 +135,15 @@ impl Session {
         match &mut self.gesture {
             Gesture::Idle => {}
             Gesture::Placing { at, .. } => *at = to,
+            Gesture::Paint(_) => self.stroke_to(to),
+            Gesture::BrushSize { center } => {
+                let radius = (to - *center).0.length().clamp(BRUSH_RADII[0], BRUSH_RADII[1]);
+                self.brush.radius = (radius * 1e4).round() / 1e4;
+            }
+            Gesture::Wipe => {
+                let share = (to.0.x / self.shot().size.aspect()).clamp(0.0, 1.0);
+                self.shown.wipe = Wipe::At(share as f32);
+            }
             Gesture::Box { to: corner, .. } => *corner = to,
             Gesture::Drag { from, base, has_moved } => {
                 *has_moved = *has_moved || to != *from;
@@ -169,7 +198,11 @@ impl Session {
                 self.gesture = Gesture::Placing { id, from, at, is_up: true, is_whole };
             }
             Gesture::Box { from, to } => self.choose_box([from, to]),
-            Gesture::Drag { has_moved: false, .. } => {}
+            Gesture::Drag { has_moved: false, .. } | Gesture::BrushSize { .. } | Gesture::Wipe => {}
+            Gesture::Paint(painting) => {
+                self.gesture = Gesture::Paint(Painting { is_up: true, ..painting });
+                self.end_stroke();
+            }
             Gesture::Drag { base, .. } => {
                 self.commit("Move", &base);
                 self.explain_lone_pin();
@@ -205,7 +238,10 @@ impl Session {
     /// Returns whether a gesture is in progress.
     #[must_use]
     pub(crate) const fn is_dragging(&self) -> bool {
-        !matches!(self.gesture, Gesture::Idle | Gesture::Placing { is_up: true, .. })
+        !matches!(
+            self.gesture,
+            Gesture::Idle | Gesture::Placing { is_up: true, .. } | Gesture::Paint(Painting { is_up: true, .. })
+        )
     }
 
     /// Returns two opposite corners of the selection box.
@@ -236,31 +272,12 @@ impl Session {
         let chosen = self.selection.pins.iter().map(|&at| (at, change));
         for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
-            let keys = moved(base, at, (time, self.auto_key), change, self.rest_box(at[0]))?;
+            let keys = moved(base, at, (time, self.auto_key), change, self.scale_of(at))?;
             shot.layers[at[0]].pins[at[1]].keys = keys;
         }
         shot.copy_mirrored_keys();
-        let Move::By(by) = change else { return Ok(shot) };
-        for &(layer, index) in &self.selection.handles {
-            let owner = &base.layers[layer];
-            let (Some(rest_box), LayerSpace::Screen { .. }) = (self.rest_box(layer), owner.space) else { continue };
-            let place = owner.handles.iter().position(|track| track.index == index);
-            let time = key_time(&base.frames, owner, frame);
-            // The keys' own value there, without strength applied.
-            let said = place.map(|place| {
-                let mut plain = owner.clone();
-                (plain.strength, plain.step) = (1.0, 1);
-                plain.pin_path(&base.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place])
-            });
-            let by = box_sizes(rest_box, by) / if owner.strength == 0.0 { 1.0 } else { owner.strength };
-            let track = place.map(|place| &owner.handles[place]);
-            let first = f64::from(base.frames.first);
-            let keys = handle_moved(track, (time, first), [by.x, by.y, 0.0], said.unwrap_or_default());
-            let handles = &mut shot.layers[layer].handles;
-            match place {
-                Some(place) => handles[place].keys = keys,
-                None => handles.push(HandleTrack { index, keys }),
-            }
+        if let Move::By(by) = change {
+            self.drag_handles(&mut shot, base, by);
         }
         Ok(shot)
     }
@@ -322,8 +339,7 @@ impl Session {
         for &(layer, index) in &self.selection.handles {
             let owner = &shot.layers[layer];
             let Some(track) = owner.handles.iter().find(|track| track.index == index) else { continue };
-            let axes = if matches!(owner.space, LayerSpace::Screen { .. }) { 2 } else { 3 };
-            text = text.and_then(|text| put_handle(&text, &owner.name, &index[..axes], &track.keys));
+            text = text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, &index), &track.keys));
         }
         let things = match (keys.len(), self.selection.handles.len()) {
             (1, 0) => "pin",
@@ -398,11 +414,14 @@ impl Session {
         self.current_solve.as_ref().map_or(&[], |solve| &solve.marks)
     }
 
-    fn marks_of(&self, layer: usize) -> Option<&LayerMarks> {
+    pub(super) fn marks_of(&self, layer: usize) -> Option<&LayerMarks> {
         self.marks().iter().find(|marks| marks.layer == layer)
     }
 
-    fn rest_box(&self, layer: usize) -> Option<RotatedBox> {
-        self.marks_of(layer)?.rest_box
+    /// Returns what a movement on the screen means in the unit of a pin.
+    fn scale_of(&self, [layer, pin]: [usize; 2]) -> PinScale {
+        let Some(marks) = self.marks_of(layer) else { return PinScale::default() };
+        let steps = marks.pins.iter().find(|mark| mark.pin == pin).and_then(|mark| mark.steps);
+        PinScale { rest_box: marks.rest_box, steps }
     }
 }

@@ -16,6 +16,8 @@ pub struct Selection {
     pub(crate) handles: BTreeSet<(usize, [usize; 3])>,
     /// Indices of layer and pin, and the times of their keys.
     pub(crate) keys: Vec<([usize; 2], f64)>,
+    /// Index of the layer, lattice coordinates of handles, and the times of their keys.
+    pub(crate) handle_keys: Vec<((usize, [usize; 3]), f64)>,
 }
 
 impl Selection {
@@ -49,6 +51,10 @@ impl Selection {
         self.layer = self.layer.min(shot.layers.len().saturating_sub(1));
         self.pins.retain(|&at| pin(at).is_some());
         self.keys.retain(|(at, time)| pin(*at).is_some_and(|pin| pin.keys.iter().any(|key| key.frame == *time)));
+        self.handle_keys.retain(|((layer, index), time)| {
+            let tracks = shot.layers.get(*layer).into_iter().flat_map(|layer| &layer.handles);
+            tracks.filter(|track| track.index == *index).any(|track| track.keys.iter().any(|key| key.frame == *time))
+        });
         self.handles.retain(|(layer, index)| {
             let dims = shot.layers.get(*layer).map(|layer| layer.space.dims());
             dims.is_some_and(|dims| (0..3).all(|axis| index[axis] < dims[axis]))
@@ -59,6 +65,24 @@ impl Selection {
     #[must_use]
     pub(crate) fn has_key(&self, at: [usize; 2], time: f64) -> bool {
         self.keys.iter().any(|(other, when)| *other == at && *when == time)
+    }
+
+    /// Returns whether any key of a pin or handle is selected.
+    #[must_use]
+    pub(crate) fn has_keys(&self) -> bool {
+        !(self.keys.is_empty() && self.handle_keys.is_empty())
+    }
+
+    /// Clears the selected keys.
+    pub(crate) fn clear_keys(&mut self) {
+        self.keys.clear();
+        self.handle_keys.clear();
+    }
+
+    /// Returns the times of the selected keys of a handle.
+    #[must_use]
+    pub(crate) fn times_of_handle(&self, at: (usize, [usize; 3])) -> Vec<f64> {
+        self.handle_keys.iter().filter(|(other, _)| *other == at).map(|(_, time)| *time).collect()
     }
 
     /// Returns the times of the selected keys of a pin.

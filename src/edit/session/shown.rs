@@ -17,6 +17,8 @@ pub struct Shown {
     pub(crate) rest: bool,
     /// Lattice lines coloured by stretch.
     pub(crate) distortion: bool,
+    /// Painted stiffness.
+    pub(crate) painted: bool,
     /// Folded cells, in red.
     pub(crate) folds: bool,
     /// Title-safe and action-safe areas.
@@ -40,6 +42,8 @@ pub(crate) struct Onion {
     pub(crate) every: u32,
     /// Opacity of the nearest.
     pub(crate) opacity: f32,
+    /// Tints of frames before and after: red, green, blue.
+    pub(crate) tints: [[u8; 3]; 2],
 }
 
 /// Comparison with the unwarped frame.
@@ -52,6 +56,15 @@ pub(crate) enum Wipe {
     Before,
     /// The unwarped frame is shown left of this fraction of the width.
     At(f32),
+    /// The unwarped frame is shown over the warped one, with this opacity.
+    Ghost(f32),
+}
+
+impl Wipe {
+    /// Returns the fraction of the width at which the frame is divided.
+    pub(super) const fn share(self) -> Option<f32> {
+        if let Self::At(share) = self { Some(share) } else { None }
+    }
 }
 
 impl Default for Shown {
@@ -63,10 +76,11 @@ impl Default for Shown {
             names: true,
             rest: true,
             distortion: false,
+            painted: false,
             folds: true,
             safe_areas: false,
             trails: false,
-            onion: Onion { count: 0, every: 2, opacity: 0.4 },
+            onion: Onion { count: 0, every: 2, opacity: 0.4, tints: [[255, 150, 130], [130, 190, 255]] },
             wipe: Wipe::Off,
             is_hidden: false,
         }

@@ -15,6 +15,7 @@ impl Editor {
             Action::Save => self.save(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Keys => self.shows_keys = !self.shows_keys,
+            Action::Tour => self.tour(ctx),
             Action::Render => self.render(ctx),
             Action::Curves => self.timeline.toggle_curves(),
             _ => {
@@ -55,7 +56,7 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
             ctx.copy_text("keys of pinwarp".to_owned());
         }
         Action::Paste => session.paste_keys(),
-        Action::Delete if session.selection.keys.is_empty() => session.delete_pins(),
+        Action::Delete if !session.selection.has_keys() => session.delete_pins(),
         Action::Delete => session.delete_keys(),
         Action::Mute => session.mute_chosen(),
         Action::Mirror => flip(&mut session.mirrors),
@@ -82,8 +83,11 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
         Action::Trails => flip(&mut shown.trails),
         Action::SafeAreas => flip(&mut shown.safe_areas),
         Action::Onion => shown.onion.count = u32::from(shown.onion.count == 0) * 2,
-        Action::Wipe if shown.wipe == Wipe::Off => session.set_wipe(Wipe::At(0.5)),
-        Action::Wipe => session.set_wipe(Wipe::Off),
+        Action::Painted => flip(&mut shown.painted),
+        Action::Wipe if matches!(shown.wipe, Wipe::At(_)) => session.set_wipe(Wipe::Off),
+        Action::Wipe => session.set_wipe(Wipe::At(0.5)),
+        Action::Ghost if matches!(shown.wipe, Wipe::Ghost(_)) => session.set_wipe(Wipe::Off),
+        Action::Ghost => session.set_wipe(Wipe::Ghost(0.4)),
         _ => {}
     }
 }

@@ -36,7 +36,7 @@ impl Kind {
 
     const fn channels(self) -> &'static [Channel] {
         match self {
-            Self::Place => &[Channel::X, Channel::Y],
+            Self::Place => &[Channel::X, Channel::Y, Channel::Z],
             Self::Rotation => &[Channel::Rotation],
             Self::Scale => &[Channel::Scale],
         }
@@ -194,7 +194,7 @@ const fn color(channel: Channel) -> Color32 {
     match channel {
         Channel::X => Color32::from_rgb(226, 92, 80),
         Channel::Y => Color32::from_rgb(96, 176, 88),
-        Channel::Rotation => Color32::from_rgb(92, 146, 226),
+        Channel::Z | Channel::Rotation => Color32::from_rgb(92, 146, 226),
         Channel::Scale => Color32::from_rgb(196, 140, 220),
     }
 }

@@ -1,7 +1,7 @@
-//! Modal windows: shortcuts, render progress, external file changes, unsaved work.
+//! Modal windows: render progress, external file changes, unsaved work.
 
-use crate::edit::{Action, RunState, Session, Shortcuts};
-use eframe::egui::{self, Align2, Grid, Key, Modal, RichText, ScrollArea, vec2};
+use crate::edit::{RunState, Session};
+use eframe::egui::{self, Align2, Modal, RichText, ScrollArea, vec2};
 
 /// The answer to a three-way question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,41 +9,6 @@ pub(super) enum Answer {
     First,
     Second,
     Cancel,
-}
-
-/// Shows the list of shortcuts. Returns false once closed.
-pub(super) fn keys(ctx: &egui::Context, shortcuts: &Shortcuts, file: &std::path::Path) -> bool {
-    let mut is_open = true;
-    let window = egui::Window::new("Keys").open(&mut is_open).collapsible(false).resizable(false);
-    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
-        ui.horizontal_top(|ui| {
-            ui.spacing_mut().item_spacing.x = 26.0;
-            for groups in [["File", "Edit", "Help"], ["Time", "Hold", ""], ["View", "", ""]] {
-                ui.vertical(|ui| groups.iter().for_each(|group| key_group(ui, shortcuts, group)));
-            }
-        });
-        ui.separator();
-        ui.weak("Arrow keys nudge what is chosen by a pixel, with Shift by ten. Alt and a click: the pin takes its surroundings along.");
-        ui.weak(format!("Own keys: {{ \"undo\": \"Ctrl+Z\" }} in {}", file.display()));
-    });
-    is_open && !ctx.input(|input| input.key_pressed(Key::Escape))
-}
-
-/// Shows the shortcuts of one group.
-fn key_group(ui: &mut egui::Ui, shortcuts: &Shortcuts, group: &str) {
-    if group.is_empty() {
-        return;
-    }
-    ui.set_min_width(210.0);
-    ui.strong(group);
-    Grid::new(group).num_columns(2).min_col_width(90.0).spacing([12.0, 5.0]).show(ui, |ui| {
-        for action in Action::ALL.iter().filter(|action| action.group() == group) {
-            ui.label(RichText::new(super::keys::words(shortcuts, *action)).monospace());
-            ui.label(action.words());
-            ui.end_row();
-        }
-    });
-    ui.add_space(8.0);
 }
 
 /// Shows the current or last render. Returns false once closed.

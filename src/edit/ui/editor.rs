@@ -6,8 +6,12 @@ use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
-use super::{bundled, dialogs, inspector, keys, layers, menus, nudges, start, theme, viewport};
-use crate::edit::{DiskChange, Document, EditError, Reference, Session, Shortcuts, Unfinished, unfinished};
+use super::{
+    bundled, dialogs, inspector, key_window, keys, layers, menus, nudges, start, theme, tour_window, viewport,
+};
+use crate::edit::{
+    Action, DiskChange, Document, EditError, Reference, Session, Shortcuts, Tour, Unfinished, unfinished,
+};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
@@ -29,6 +33,9 @@ pub struct Editor {
     pub(super) timeline: Timeline,
     textures: Textures,
     pub(super) shows_keys: bool,
+    /// The action that is waiting for its new key.
+    rebound: Option<Action>,
+    tour: Option<Tour>,
     pub(super) shows_render: bool,
     conflict: Option<String>,
     unsaved: Option<Deferred>,
@@ -55,6 +62,8 @@ impl Editor {
             timeline: Timeline::default(),
             textures: Textures::default(),
             shows_keys: false,
+            rebound: None,
+            tour: None,
             shows_render: false,
             conflict: None,
             unsaved: None,
@@ -129,7 +138,9 @@ impl Editor {
             // Each drag of a number is undone separately.
             session.document_mut().end_series();
         }
-        for action in keys::pressed(&ctx, &self.shortcuts) {
+        // A key that is being bound triggers nothing.
+        let pressed = if self.rebound.is_none() { keys::pressed(&ctx, &self.shortcuts) } else { Vec::new() };
+        for action in pressed {
             self.act(&ctx, action, now);
         }
         self.bar(ui, &ctx, now);
@@ -191,9 +202,10 @@ impl Editor {
                 self.browse(Purpose::Open);
                 Ok(())
             }
-            StartAction::Bundled(index) => {
-                let shot = bundled::BUNDLED[index].unpack(&self.options.folder.join("scenes"));
-                shot.and_then(|shot| self.open(ctx, &shot))
+            StartAction::Bundled(index) => self.open_bundled(ctx, index),
+            StartAction::Tour => {
+                self.tour(ctx);
+                Ok(())
             }
             StartAction::Recover(index) => {
                 let left = self.left.remove(index);
@@ -211,6 +223,21 @@ impl Editor {
         if let Err(error) = done {
             self.show_error(&error);
         }
+    }
+
+    fn open_bundled(&mut self, ctx: &egui::Context, index: usize) -> Result<(), EditError> {
+        let shot = bundled::BUNDLED[index].unpack(&self.options.folder.join("scenes"))?;
+        self.open(ctx, &shot)
+    }
+
+    /// Begins the tour: on the open shot, else on the first bundled scene.
+    pub(super) fn tour(&mut self, ctx: &egui::Context) {
+        if self.session.is_none()
+            && let Err(error) = self.open_bundled(ctx, 0)
+        {
+            self.show_error(&error);
+        }
+        self.tour = self.session.as_ref().map(Tour::begin);
     }
 
     pub(super) fn browse(&mut self, purpose: Purpose) {
@@ -245,7 +272,14 @@ impl Editor {
 
     fn windows(&mut self, ctx: &egui::Context) {
         if self.shows_keys {
-            self.shows_keys = dialogs::keys(ctx, &self.shortcuts, &self.options.keys());
+            let chords = key_window::Chords { shortcuts: &mut self.shortcuts, rebound: &mut self.rebound };
+            self.shows_keys = key_window::show(ctx, chords, &self.options.keys());
+        }
+        if let (Some(tour), Some(session)) = (&mut self.tour, &self.session) {
+            tour.follow(session);
+            if !tour_window::show(ctx, tour, session) {
+                self.tour = None;
+            }
         }
         if let Some(session) = self.session.as_mut().filter(|_| self.shows_render) {
             self.shows_render = dialogs::render(ctx, session);

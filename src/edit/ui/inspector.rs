@@ -5,7 +5,7 @@ use super::icons;
 use super::theme::heat;
 use crate::edit::{Channel, Session};
 use crate::pipeline::{FrameReport, LayerReport};
-use crate::shot::{Goal, PinKey, PinRegion, Rotation};
+use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
 use eframe::egui::{self, Color32, DragValue, Grid, RichText, ScrollArea, Ui};
 use glam::DVec2;
@@ -84,12 +84,8 @@ fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     let (what, old) = match key.goal {
         Goal::Offset(offset) => ("Offset", offset.0),
         Goal::Target(target) => ("Target", target.0),
-        Goal::SceneOffset(_) | Goal::SceneTarget(_) => {
-            ui.label("Offset");
-            ui.weak("in metres: see the shot file");
-            ui.end_row();
-            return;
-        }
+        Goal::SceneOffset(offset) => return place_in_scene(ui, session, (at, key), ("Offset", offset)),
+        Goal::SceneTarget(target) => return place_in_scene(ui, session, (at, key), ("Target", target)),
     };
     let mut new = old * lines;
     ui.label(what);
@@ -108,6 +104,33 @@ fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
         let goal = match key.goal {
             Goal::Target(_) => Goal::Target(ScreenPoint(rounded)),
             _ => Goal::Offset(ScreenVector(rounded)),
+        };
+        session.put_key(at, PinKey { goal, ..key });
+    }
+}
+
+/// Edits a position in the scene, in its own unit.
+fn place_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), (what, old): (&str, [f64; 3])) {
+    let unit = session.shot().layers[at[0]].pins[at[1]].unit;
+    let hint = if unit == OffsetUnit::Box { "in sizes of the lattice's box" } else { "in metres of the scene" };
+    ui.label(what).on_hover_text(hint);
+    let mut new = old;
+    let is_changed = ui
+        .vertical(|ui| {
+            let mut is_changed = false;
+            for (value, axis) in new.iter_mut().zip(["x", "y", "z"]) {
+                let number = DragValue::new(value).speed(0.002).max_decimals(4).prefix(format!("{axis} "));
+                is_changed |= ui.add(number).accessible(&format!("{what} {axis}")).changed();
+            }
+            is_changed
+        })
+        .inner;
+    ui.end_row();
+    if is_changed {
+        let rounded = new.map(|value| (value * 1e6).round() / 1e6);
+        let goal = match key.goal {
+            Goal::SceneTarget(_) => Goal::SceneTarget(rounded),
+            _ => Goal::SceneOffset(rounded),
         };
         session.put_key(at, PinKey { goal, ..key });
     }

@@ -59,7 +59,7 @@ pub(super) fn is_held(ctx: &egui::Context, shortcuts: &Shortcuts, action: Action
         return false;
     }
     let key = shortcuts.of(action).and_then(key);
-    key.is_some_and(|key| ctx.input(|input| input.key_down(key)))
+    key.is_some_and(|key| ctx.input(|input| input.key_down(key) && !input.modifiers.command))
 }
 
 /// Returns the shortcut text for a menu entry.

@@ -2,12 +2,10 @@
 
 use super::accessible::Accessible;
 use super::icons::{self, Icon};
-use super::{matte, shot_panel};
+use super::{brush, lattice_panel, matte, shot_panel};
 use crate::edit::Session;
-use crate::lattice::Basis;
-use crate::shot::LayerSpace;
 use crate::shot::edit::Setting;
-use eframe::egui::{self, CollapsingHeader, ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+use eframe::egui::{self, CollapsingHeader, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
 
 /// A click in the list.
 enum Click {
@@ -56,6 +54,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
         }
         ui.add_space(8.0);
         settings(ui, session);
+        brush::settings(ui, session);
         shot_panel::show(ui, session);
     });
 }
@@ -134,14 +133,7 @@ fn settings(ui: &mut Ui, session: &mut Session) {
                 session.set_layer("Change strength", &["strength"], &setting, Some("strength"));
             }
             ui.end_row();
-            if let LayerSpace::Screen { dims, .. } = layer.space {
-                ui.label("Lattice");
-                ui.horizontal(|ui| dims_row(ui, session, (dims, layer.has_auto_dims)));
-                ui.end_row();
-            }
-            ui.label("Basis");
-            basis(ui, session, layer.basis);
-            ui.end_row();
+            lattice_panel::show(ui, session, &layer);
             ui.label("Smoothness");
             let mut smoothness = session.own_smoothness(index);
             let old = smoothness;
@@ -177,30 +169,4 @@ fn settings(ui: &mut Ui, session: &mut Session) {
             ui.end_row();
         });
     });
-}
-
-fn dims_row(ui: &mut Ui, session: &mut Session, (dims, is_auto): ([usize; 2], bool)) {
-    if is_auto {
-        ui.weak("auto");
-        return;
-    }
-    let mut new = dims;
-    for (axis, name) in ["Columns", "Rows"].into_iter().enumerate() {
-        ui.add(DragValue::new(&mut new[axis]).range(4..=64).speed(0.1)).accessible(name);
-    }
-    if new != dims {
-        session.set_dims(new);
-    }
-}
-
-fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {
-    let name = serde_json::to_value(basis).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
-    let list = ComboBox::from_id_salt("basis").selected_text(&name).width(110.0).show_ui(ui, |ui| {
-        for other in ["bspline", "bilinear", "bernstein", "barytri"] {
-            if ui.selectable_label(other == name, other).clicked() {
-                session.set_layer("Change basis", &["lattice", "basis"], &Setting::Text(other.into()), None);
-            }
-        }
-    });
-    list.response.accessible("Basis");
 }

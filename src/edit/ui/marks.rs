@@ -28,7 +28,8 @@ pub(super) struct Over<'a> {
 }
 
 impl Over<'_> {
-    fn at(&self, point: ScreenPoint) -> Pos2 {
+    /// Returns the place of a point of the screen in the window.
+    pub(super) fn at(&self, point: ScreenPoint) -> Pos2 {
         let place = self.lens.viewport_from_screen(point);
         self.origin + vec2(place.x as f32, place.y as f32)
     }

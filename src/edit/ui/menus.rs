@@ -1,5 +1,6 @@
 //! The menu bar with the file's name and status, and the hint line.
 
+use super::accessible::Accessible;
 use super::keys::words;
 use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
 use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
@@ -70,7 +71,10 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
                 entry(ui, action, is_open);
             }
         });
-        ui.menu_button("Help", |ui| entry(ui, Action::Keys, true));
+        ui.menu_button("Help", |ui| {
+            entry(ui, Action::Tour, true);
+            entry(ui, Action::Keys, true);
+        });
     });
     chosen
 }
@@ -90,6 +94,7 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
     ui.checkbox(&mut shown.rest, "Rest places");
     ui.checkbox(&mut shown.folds, "Folded cells");
     switch(ui, Action::Distortion, &mut shown.distortion);
+    switch(ui, Action::Painted, &mut shown.painted);
     switch(ui, Action::Trails, &mut shown.trails);
     switch(ui, Action::SafeAreas, &mut shown.safe_areas);
     let mut has_onion = shown.onion.count > 0;
@@ -99,15 +104,18 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
         onion(ui, &mut shown.onion);
     }
     session.shown = shown;
-    let mut is_wiped = matches!(shown.wipe, Wipe::At(_));
-    switch(ui, Action::Wipe, &mut is_wiped);
-    if is_wiped != matches!(shown.wipe, Wipe::At(_)) {
-        session.set_wipe(if is_wiped { Wipe::At(0.5) } else { Wipe::Off });
+    for (action, usual) in [(Action::Wipe, Wipe::At(0.5)), (Action::Ghost, Wipe::Ghost(0.4))] {
+        let is_this = std::mem::discriminant(&session.shown.wipe) == std::mem::discriminant(&usual);
+        let mut is_on = is_this;
+        switch(ui, action, &mut is_on);
+        if is_on != is_this {
+            session.set_wipe(if is_on { usual } else { Wipe::Off });
+        }
     }
-    if let Wipe::At(mut share) = session.shown.wipe
-        && ui.add(egui::Slider::new(&mut share, 0.0..=1.0).text("wipe")).changed()
-    {
-        session.shown.wipe = Wipe::At(share);
+    match &mut session.shown.wipe {
+        Wipe::At(share) => _ = ui.add(egui::Slider::new(share, 0.0..=1.0).text("wipe")),
+        Wipe::Ghost(opacity) => _ = ui.add(egui::Slider::new(opacity, 0.05..=1.0).text("opacity of the ghost")),
+        Wipe::Off | Wipe::Before => {}
     }
 }
 
@@ -152,6 +160,12 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
             ui.add(egui::Slider::new(&mut onion.every, 1..=24).text("frames apart"));
         }
         ui.add(egui::Slider::new(&mut onion.opacity, 0.05..=1.0).text("opacity"));
+        ui.horizontal(|ui| {
+            for (tint, name) in onion.tints.iter_mut().zip(["Tint before", "Tint after"]) {
+                ui.color_edit_button_srgb(tint).accessible(name);
+                ui.label(name);
+            }
+        });
     });
 }
 

@@ -8,6 +8,8 @@ use eframe::egui::{self, Align2, FontId, RichText, Ui, vec2};
 /// The clicked entry.
 pub(super) enum StartAction {
     Open,
+    /// The tour, on the first bundled scene.
+    Tour,
     Bundled(usize),
     Recover(usize),
     Forget(usize),
@@ -51,7 +53,11 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
                 });
             }
             ui.add_space(14.0);
-            ui.weak("Two minutes: open the walking gnome, drag the hand, press play.");
+            let tour = egui::Button::new(RichText::new("Take the tour of two minutes").strong());
+            if ui.add(tour).clicked() {
+                action = Some(StartAction::Tour);
+            }
+            ui.weak("Open the walking gnome, drag the hand, press play.");
         });
     });
     action

@@ -3,16 +3,13 @@
 use super::curves::CurveView;
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
+use super::track_row::{self, Pen, Row, Track};
 use super::transport::transport;
 use crate::edit::Session;
-use crate::shot::Ease;
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape, Stroke, Ui, WidgetInfo,
-    pos2, vec2,
+    Align2, Color32, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
+    vec2,
 };
-
-/// Height of a row of keys.
-const ROW: f32 = 20.0;
 
 /// Height of the ruler.
 const RULER: f32 = 24.0;
@@ -28,6 +25,8 @@ pub(super) struct Timeline {
     followed: Option<[usize; 2]>,
     /// The curve editor, if shown instead of rows of keys.
     curves: Option<CurveView>,
+    /// Two opposite corners of the box that selects keys.
+    boxed: Option<[Pos2; 2]>,
 }
 
 impl Timeline {
@@ -111,119 +110,66 @@ impl Timeline {
     fn rows(&mut self, ui: &mut Ui, session: &mut Session, scale: FrameScale) {
         let layer = session.selection.layer;
         let Some(owner) = session.shot().layers.get(layer) else { return };
-        let pins: Vec<(String, Vec<(f64, Ease)>)> = owner
-            .pins
-            .iter()
-            .map(|pin| (pin.name.clone(), pin.keys.iter().map(|key| (key.frame, key.ease)).collect()))
-            .collect();
-        if pins.is_empty() {
+        let rows = track_row::rows(session);
+        if rows.is_empty() {
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 ui.add_space(8.0);
                 ui.weak(format!("Layer '{}' has no pins: click the model to place one.", owner.name));
             });
         }
-        for (pin, (name, keys)) in pins.iter().enumerate() {
-            self.row(ui, session, ([layer, pin], name, keys), scale);
-        }
-        let rect = ui.min_rect();
-        playhead(&ui.painter_at(rect.expand(2.0)), rect, session, scale);
-    }
-
-    fn row(
-        &mut self,
-        ui: &mut Ui,
-        session: &mut Session,
-        (at, name, keys): ([usize; 2], &str, &[(f64, Ease)]),
-        scale: FrameScale,
-    ) {
-        let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), ROW), Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("Keys of {name}")));
-        let rect = response.rect;
-        let is_chosen = session.selection.pins.contains(&at);
-        if session.selection.single_pin() == Some(at) && self.followed != Some(at) {
-            response.scroll_to_me(None);
-            self.followed = Some(at);
-        }
-        if is_chosen {
-            painter.rect_filled(rect, 0, ui.visuals().selection.bg_fill.gamma_multiply(0.35));
-        }
-        let text = if is_chosen { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
-        let names = Rect::from_min_max(rect.min, pos2(rect.left() + NAMES - 8.0, rect.bottom()));
-        painter.with_clip_rect(names).text(
-            pos2(rect.left() + 8.0, rect.center().y),
-            Align2::LEFT_CENTER,
-            name,
-            FontId::proportional(12.5),
-            text,
-        );
-        let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
-        painter.hline(rect.x_range(), rect.bottom(), line);
         let by = self.moved.map_or(0, |(_, by)| by);
-        let place = |(frame, _): &(f64, Ease)| {
-            let shift = if session.selection.has_key(at, *frame) { f64::from(by) } else { 0.0 };
-            pos2(scale.x(frame + shift), rect.center().y)
-        };
-        for pair in keys.windows(2) {
-            if pair[0].1 != Ease::Hold {
-                painter.line_segment([place(&pair[0]), place(&pair[1])], Stroke::new(2.0, line.color));
+        let mut seen: Vec<(Rect, Row)> = Vec::new();
+        let mut pen = Pen::Away;
+        for row in rows {
+            let alone = session.selection.single_pin().filter(|&at| row.track == Track::Pin(at));
+            let follows = alone.is_some() && self.followed != alone;
+            if follows {
+                self.followed = alone;
             }
+            let (rect, own) = track_row::show(ui, session, &row, (scale, by, follows));
+            pen = if own == Pen::Away { pen } else { own };
+            seen.push((rect, row));
         }
-        for key in keys {
-            let usual = Color32::from_gray(if ui.visuals().dark_mode { 200 } else { 90 });
-            let fill = if session.selection.has_key(at, key.0) { ACCENT } else { usual };
-            diamond(&painter, place(key), key.1, fill);
+        self.pen(session, scale, (pen, &seen));
+        let rect = ui.min_rect();
+        let painter = ui.painter_at(rect.expand(2.0));
+        if let Some([from, to]) = self.boxed {
+            let stroke = Stroke::new(1.0, ACCENT);
+            painter.rect(Rect::from_two_pos(from, to), 0, Color32::from_white_alpha(14), stroke, StrokeKind::Middle);
         }
-        self.row_pen(ui, session, (&response, names), (at, keys, scale));
+        playhead(&painter, rect, session, scale);
     }
 
-    fn row_pen(
-        &mut self,
-        ui: &Ui,
-        session: &mut Session,
-        (response, names): (&Response, Rect),
-        (at, keys, scale): ([usize; 2], &[(f64, Ease)], FrameScale),
-    ) {
-        let pressed = ui.input(|input| input.pointer.primary_pressed());
-        let shift = ui.input(|input| input.modifiers.shift);
-        let Some(pen) = response.interact_pointer_pos() else { return };
-        if pressed && response.contains_pointer() {
-            let far = |key: &&(f64, Ease)| (scale.x(key.0) - pen.x).abs();
-            let near = keys.iter().filter(|key| far(key) <= 7.0).min_by(|a, b| far(a).total_cmp(&far(b)));
-            match near {
-                Some((time, _)) => {
-                    session.choose_key(at, *time, shift);
-                    self.moved = Some((scale.frame(pen.x), 0));
-                }
-                None if names.contains(pen) && shift => _ = session.selection.pins.insert(at),
-                None if names.contains(pen) => session.selection.only_pin(at),
-                None => {
-                    session.selection.keys.clear();
-                    session.go(scale.frame(pen.x).round() as i32);
+    /// Moves keys, or selects those in a box.
+    fn pen(&mut self, session: &mut Session, scale: FrameScale, (pen, rows): (Pen, &[(Rect, Row)])) {
+        match pen {
+            Pen::Away => {}
+            Pen::Key(at) => self.moved = Some((scale.frame(at.x), 0)),
+            Pen::Empty(at) => {
+                session.selection.clear_keys();
+                session.go(scale.frame(at.x).round() as i32);
+                self.boxed = Some([at, at]);
+            }
+            Pen::Dragged(at) => {
+                if let Some((from, by)) = &mut self.moved {
+                    *by = (scale.frame(at.x) - *from).round() as i32;
+                } else if let Some([_, to]) = &mut self.boxed {
+                    *to = at;
                 }
             }
-        } else if let Some((from, by)) = &mut self.moved
-            && response.dragged()
-        {
-            *by = (scale.frame(pen.x) - *from).round() as i32;
-        }
-        if response.drag_stopped()
-            && let Some((_, by)) = self.moved.take()
-        {
-            session.shift_keys(by);
-        }
-    }
-}
-
-/// Draws a key: a diamond; a square if it holds, a circle if smooth.
-fn diamond(painter: &Painter, at: Pos2, ease: Ease, fill: Color32) {
-    let size = 5.0;
-    match ease {
-        Ease::Hold => _ = painter.rect_filled(Rect::from_center_size(at, vec2(8.0, 8.0)), 0, fill),
-        Ease::Smooth => _ = painter.circle_filled(at, 4.8, fill),
-        Ease::Linear | Ease::Bezier(_) => {
-            let corners = [vec2(0.0, -size), vec2(size, 0.0), vec2(0.0, size), vec2(-size, 0.0)].map(|arm| at + arm);
-            painter.add(Shape::convex_polygon(corners.to_vec(), fill, Stroke::NONE));
+            Pen::Up => {
+                if let Some((_, by)) = self.moved.take() {
+                    session.shift_keys(by);
+                }
+                let Some([from, to]) = self.boxed.take() else { return };
+                let chosen = Rect::from_two_pos(from, to);
+                for (_, row) in rows.iter().filter(|(rect, _)| chosen.y_range().contains(rect.center().y)) {
+                    for (time, _) in row.keys.iter().filter(|(time, _)| chosen.x_range().contains(scale.x(*time))) {
+                        row.track.add_key(session, *time);
+                    }
+                }
+            }
         }
     }
 }

@@ -71,6 +71,12 @@ fn eases(ui: &mut Ui, session: &mut Session) {
         let pin = session.shot().layers.get(at[0])?.pins.get(at[1])?;
         pin.keys.iter().find(|key| key.frame == *time).map(|key| key.ease)
     });
+    let of_handle = session.selection.handle_keys.first().and_then(|((layer, index), time)| {
+        let mut tracks = session.shot().layers.get(*layer)?.handles.iter();
+        let track = tracks.find(|track| track.index == *index)?;
+        track.keys.iter().find(|key| key.frame == *time).map(|key| key.ease)
+    });
+    let chosen = chosen.or(of_handle);
     let text = chosen.map_or("Ease", |ease| EasePreset::of(ease).map_or("Curve", EasePreset::name));
     let list = ComboBox::from_id_salt("ease").selected_text(text).width(90.0).show_ui(ui, |ui| {
         for preset in EasePreset::ALL {

@@ -2,6 +2,7 @@
 //!
 //! In: a [`Session`]. Out: presses, drags, zooms; textures and shapes.
 
+use super::brush;
 use super::keys::is_held;
 use super::marks::{Over, RING};
 use super::theme;
@@ -84,7 +85,16 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0, theme::surroundings(ui.visuals()));
     pictures(ui, (rect, lens), session, textures);
-    Over { session, lens, painter: painter.clone(), origin: rect.min }.draw();
+    let is_brush = is_held(ui.ctx(), shortcuts, Action::Stiffness) || session.is_painting();
+    if is_brush || session.shown.painted {
+        session.want_painted();
+    }
+    let over = Over { session, lens, painter: painter.clone(), origin: rect.min };
+    if (is_brush || session.shown.painted) && !session.shown.is_hidden {
+        brush::painted(&painter, session, |point| over.at(point));
+    }
+    over.draw();
+    brush_ring(ui, &response, (&over, is_brush), shortcuts);
     status(ui, rect, session, &lens);
     menu(&response, session);
 }
@@ -149,6 +159,30 @@ fn pen(
     }
 }
 
+/// Draws the brush where its key is held and no pin lies under the pen.
+fn brush_ring(ui: &Ui, response: &egui::Response, (over, is_brush): (&Over, bool), shortcuts: &Shortcuts) {
+    let session = over.session;
+    let radius = (session.brush.radius * over.lens.frame_height()) as f32;
+    let is_sizing = is_held(ui.ctx(), shortcuts, Action::Region) && !session.is_dragging();
+    let (sized, hovered) = (session.sized_brush().map(|center| over.at(center)), response.hover_pos());
+    let at = sized.or_else(|| hovered.filter(|_| is_brush || is_sizing));
+    let Some(at) = at else { return };
+    let seen = at - over.origin;
+    let point = over.lens.screen_from_viewport(DVec2::new(seen.x.into(), seen.y.into()));
+    let is_free =
+        session.is_dragging() || session.pin_near(point, f64::from(REACH) / over.lens.frame_height()).is_none();
+    if is_free {
+        let words = match (is_brush, ui.input(|input| input.modifiers.shift)) {
+            (false, _) => format!("{:.0} px", session.brush.radius * f64::from(session.shot().size.height)),
+            (true, true) => "erase".to_owned(),
+            (true, false) => {
+                format!("stiffness {:.3}", session.brush.stiffness).trim_end_matches(['0', '.']).to_owned()
+            }
+        };
+        brush::ring(&over.painter, at, radius, &words);
+    }
+}
+
 fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures: &mut Textures) {
     let painter = ui.painter_at(rect);
     let [low, high] = lens.corners().map(|corner| rect.min + vec2(corner.x as f32, corner.y as f32));
@@ -190,6 +224,7 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
             );
             painter.text(egui::pos2(x + 8.0, frame.top() + 8.0), Align2::LEFT_TOP, "after", font, Color32::WHITE);
         }
+        Wipe::Ghost(opacity) => draw(id, Color32::WHITE.gamma_multiply(opacity)),
         Wipe::Before | Wipe::Off => draw(id, Color32::WHITE),
     }
 }
@@ -223,7 +258,8 @@ fn onions(session: &Session) -> Vec<(&Arc<Picture>, Color32)> {
     for far in (1..=onion.count as i32).rev() {
         for side in [-1, 1] {
             let Some(frame) = onion_frame(session, here, far * side) else { continue };
-            let color = if side < 0 { Color32::from_rgb(255, 150, 130) } else { Color32::from_rgb(130, 190, 255) };
+            let [red, green, blue] = onion.tints[usize::from(side > 0)];
+            let color = Color32::from_rgb(red, green, blue);
             let opacity = onion.opacity / far as f32;
             found.extend(session.picture_of(frame).map(|picture| (picture, color.gamma_multiply(opacity))));
         }

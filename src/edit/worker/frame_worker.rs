@@ -110,6 +110,7 @@ impl FrameWorker {
         self.load(job, sender)?;
         match job.purpose.clone() {
             Purpose::Drag(layers) => return self.drag(job, &layers, sender),
+            Purpose::Paint => return self.paint(job, sender),
             Purpose::Play => self.play_frame(job.frame, job, sender)?,
             Purpose::Look if job.is_shown => {}
             Purpose::Look => job.is_shown = self.look(job, is_stale, sender)?,
@@ -132,10 +133,11 @@ impl FrameWorker {
                 Rework::Scene
             }
         };
-        if rework >= Rework::Pins {
+        if rework >= Rework::Stiffness {
             self.drag = None;
         }
-        if rework > Rework::Nothing {
+        // The brush goes on over the frame that is seen.
+        if rework > Rework::Nothing && job.purpose != Purpose::Paint {
             self.seen = None;
         }
         let Some(open) = &self.open else { return Ok(()) };
@@ -309,9 +311,33 @@ impl FrameWorker {
         Ok(())
     }
 
+    /// Shows what is painted, over the frame as it was solved last.
+    fn paint(&mut self, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        let seen = match &self.seen {
+            Some(seen) => Arc::clone(seen),
+            None => Arc::new(open.prepared().provisional(job.frame)?),
+        };
+        let triangles = open.prepared().stiff_triangles(&seen);
+        self.seen = Some(seen);
+        sender.send(Reply::Painted { revision: job.revision, frame: job.frame, triangles });
+        Ok(())
+    }
+
     fn answer(&self, question: Question) -> Reply {
-        let point = self.open.as_ref().zip(self.seen.as_ref());
-        Reply::Picked(question.id, point.and_then(|(open, sample)| open.prepared().pick_warped(sample, question.at)))
+        let seen = self.open.as_ref().map(OpenShot::prepared).zip(self.seen.as_ref());
+        match question {
+            Question::Point { id, at } => {
+                Reply::Picked(id, seen.and_then(|(prepared, sample)| prepared.pick_warped(sample, at)))
+            }
+            Question::Brush { id, at } => {
+                Reply::Brushed(id, seen.and_then(|(prepared, sample)| prepared.brush_point(sample, at)))
+            }
+            Question::Painted { revision, frame } => {
+                let triangles = seen.map_or_else(Vec::new, |(prepared, sample)| prepared.stiff_triangles(sample));
+                Reply::Painted { revision, frame, triangles }
+            }
+        }
     }
 }
 

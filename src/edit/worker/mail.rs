@@ -1,7 +1,7 @@
 //! Messages between the window and the worker thread.
 
 use crate::edit::picture::Picture;
-use crate::pipeline::{FrameReport, LayerMarks, PickedPoint};
+use crate::pipeline::{BrushPoint, FrameReport, LayerMarks, PickedPoint, StiffTriangle};
 use crate::shot::Shot;
 use crate::space::ScreenPoint;
 use std::collections::VecDeque;
@@ -37,15 +37,19 @@ pub(in crate::edit) enum Purpose {
     Play,
     /// Drag of these layers: marks at once, then a draft.
     Drag(Vec<usize>),
+    /// Painting of stiffness: the painted triangles only.
+    Paint,
 }
 
-/// A question asked alongside the picture.
+/// A question asked alongside the picture, about the frame of the newest job. Numbers are returned with the answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::edit) struct Question {
-    /// Returned with the answer.
-    pub id: u64,
-    /// The screen position at which to pick a point of the model, in the frame of the newest job.
-    pub at: ScreenPoint,
+pub(in crate::edit) enum Question {
+    /// What point of the model is seen at a point of the screen?
+    Point { id: u64, at: ScreenPoint },
+    /// What point of the model at rest lies under the brush?
+    Brush { id: u64, at: ScreenPoint },
+    /// What triangles are painted?
+    Painted { revision: u64, frame: i32 },
 }
 
 /// A reply of the worker thread.
@@ -61,6 +65,10 @@ pub(in crate::edit) enum Reply {
     Before(Arc<Picture>),
     /// The answer to a question; `None` if there is no surface.
     Picked(u64, Option<PickedPoint>),
+    /// The answer about the brush; `None` if no layer's surface is there.
+    Brushed(u64, Option<BrushPoint>),
+    /// The painted triangles of a frame.
+    Painted { revision: u64, frame: i32, triangles: Vec<StiffTriangle> },
     /// Progress of the solve over time, 0 to 1.
     Progress(f64),
     /// A frame or the shot failed, with a message.

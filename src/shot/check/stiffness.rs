@@ -24,11 +24,7 @@ impl Check<'_> {
     }
 
     /// Returns the rules and the brush strokes, each in the order of the file.
-    pub(super) fn stiffness(
-        &mut self,
-        raw: Vec<RawStiffness>,
-        layer: &str,
-    ) -> (Vec<StiffnessRule>, Vec<BrushStroke>) {
+    pub(super) fn stiffness(&mut self, raw: Vec<RawStiffness>, layer: &str) -> (Vec<StiffnessRule>, Vec<BrushStroke>) {
         let (mut rules, mut strokes) = (Vec::new(), Vec::new());
         for (index, raw) in raw.into_iter().enumerate() {
             let value = raw.value;

@@ -1,0 +1,232 @@
+//! The brush for stiffness: strokes over the model, which become entries of its layer.
+//!
+//! In: the pen's way, the worker's answers about what lies under it. Out: one document change per stroke.
+
+use super::gesture::{Gesture, Painting};
+use super::{Purpose, Session};
+use crate::edit::worker::Question;
+use crate::pipeline::{BrushPoint, StiffTriangle};
+use crate::shot::edit::{add_stroke, remove_strokes};
+use crate::shot::{BrushStroke, Shot, Source};
+use crate::space::ScreenPoint;
+use std::sync::Arc;
+
+/// Minimum and maximum radius of the brush, in frame heights.
+pub(crate) const BRUSH_RADII: [f64; 2] = [0.003, 0.5];
+
+/// Minimum and maximum stiffness that the brush paints.
+pub(crate) const BRUSH_STIFFNESSES: [f64; 2] = [0.01, 100.0];
+
+/// Distance between two points of a stroke, in radii of the brush.
+const SPACING: f64 = 0.3;
+
+/// Number of points of a stroke that one movement of the pen adds at most.
+const MAX_POINTS: usize = 48;
+
+/// Distance on the model, in radii of the brush, from which two points belong to different strokes.
+const APART: f64 = 2.0;
+
+/// The settings of the brush.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brush {
+    /// Its radius in frame heights.
+    pub radius: f64,
+    /// The stiffness that it paints; 1 is that of the rest.
+    pub stiffness: f64,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self { radius: 0.04, stiffness: 8.0 }
+    }
+}
+
+/// The painted triangles of a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct PaintedFrame {
+    revision: u64,
+    frame: i32,
+    triangles: Arc<[StiffTriangle]>,
+}
+
+impl Session {
+    /// Begins a stroke of the brush.
+    pub(super) fn begin_stroke(&mut self, at: ScreenPoint, erases: bool) {
+        if matches!(self.document.shot().source, Source::Frame) {
+            return self.say("A plate alone has no model to paint: add the scene that it shows to the shot.");
+        }
+        self.next_question += 1;
+        self.gesture = Gesture::Paint(Painting {
+            id: self.next_question,
+            strokes: Vec::new(),
+            layer: None,
+            value: if erases { 1.0 } else { self.brush.stiffness },
+            asked_at: at,
+            waiting: 0,
+            is_broken: true,
+            is_up: false,
+            base: Arc::new(self.document.shot().clone()),
+        });
+        self.ask_under_brush(&[at]);
+    }
+
+    /// Goes on with a stroke.
+    pub(super) fn stroke_to(&mut self, to: ScreenPoint) {
+        let Gesture::Paint(painting) = &self.gesture else { return };
+        let from = painting.asked_at;
+        let steps = ((to - from).0.length() / (SPACING * self.brush.radius)).floor() as usize;
+        let count = steps.min(MAX_POINTS);
+        let points: Vec<ScreenPoint> =
+            (1..=count).map(|step| ScreenPoint(from.0.lerp(to.0, step as f64 / count as f64))).collect();
+        self.ask_under_brush(&points);
+    }
+
+    fn ask_under_brush(&mut self, points: &[ScreenPoint]) {
+        let Gesture::Paint(painting) = &mut self.gesture else { return };
+        for &at in points {
+            painting.asked_at = at;
+            painting.waiting += 1;
+            self.worker.ask(Question::Brush { id: painting.id, at });
+        }
+    }
+
+    /// Takes the worker's answer about what lies under the brush.
+    pub(super) fn brushed(&mut self, id: u64, point: Option<BrushPoint>) {
+        let radius = self.brush.radius;
+        let Gesture::Paint(painting) = &mut self.gesture else { return };
+        if painting.id != id {
+            return;
+        }
+        painting.waiting = painting.waiting.saturating_sub(1);
+        match point.filter(|point| painting.layer.is_none_or(|layer| layer == point.layer)) {
+            None => painting.is_broken = true,
+            Some(point) => {
+                painting.add(&point, radius);
+                self.show_painting();
+            }
+        }
+        self.end_stroke();
+    }
+
+    /// Shows the layer with the stroke as far as it goes.
+    fn show_painting(&mut self) {
+        let Gesture::Paint(Painting { layer: Some(layer), strokes, base, .. }) = &self.gesture else { return };
+        let mut shot = Shot::clone(base);
+        let Some(own) = shot.layers.get_mut(*layer) else { return };
+        own.strokes.extend(strokes.iter().cloned());
+        if self.dragged.is_none() {
+            self.revision += 1;
+        }
+        self.dragged = Some(Arc::new(shot));
+        self.refresh(Purpose::Paint);
+    }
+
+    /// Writes the stroke into the document once the pen is up and every question is answered.
+    pub(super) fn end_stroke(&mut self) {
+        let Gesture::Paint(Painting { is_up: true, waiting: 0, .. }) = self.gesture else { return };
+        let Gesture::Paint(painting) = std::mem::replace(&mut self.gesture, Gesture::Idle) else { return };
+        let Painting { strokes, layer, value, .. } = painting;
+        let named = layer.and_then(|layer| Some((layer, self.document.shot().layers.get(layer)?)));
+        let Some((layer, owner)) = named.filter(|_| !strokes.is_empty()) else {
+            return self.say("No layer's surface lies under the brush: paint over the model.");
+        };
+        if value == 1.0 && owner.strokes.is_empty() {
+            self.let_go();
+            return self.say("Nothing is painted there.");
+        }
+        let mut text = Ok(self.document.text().to_owned());
+        for stroke in &strokes {
+            text = text.and_then(|text| add_stroke(&text, &owner.name, stroke));
+        }
+        let label = if value == 1.0 { "Erase stiffness" } else { "Paint stiffness" };
+        self.selection.layer = layer;
+        self.document.end_series();
+        self.change(label, text, None);
+    }
+
+    /// Removes all that was painted on the selected layer.
+    pub fn clear_painting(&mut self) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
+        if layer.strokes.is_empty() {
+            return self.say("Nothing is painted on this layer.");
+        }
+        let text = remove_strokes(self.document.text(), &layer.name);
+        self.change("Remove painting", text, None);
+    }
+
+    /// Returns whether the brush is painting.
+    #[must_use]
+    pub(crate) const fn is_painting(&self) -> bool {
+        matches!(self.gesture, Gesture::Paint(_))
+    }
+
+    /// Returns the centre of the brush while it is sized.
+    #[must_use]
+    pub(crate) const fn sized_brush(&self) -> Option<ScreenPoint> {
+        if let Gesture::BrushSize { center } = self.gesture { Some(center) } else { None }
+    }
+
+    /// Requests the painted triangles of the shown frame, unless they are known.
+    pub(crate) fn want_painted(&mut self) {
+        let now = (self.revision, self.playhead.frame());
+        let is_solved = self.current_solve.as_ref().is_some_and(|solve| (solve.revision, solve.frame) == now);
+        if is_solved && self.gesture.is_idle() && self.painted_asked != Some(now) {
+            self.painted_asked = Some(now);
+            self.worker.ask(Question::Painted { revision: now.0, frame: now.1 });
+        }
+    }
+
+    /// Takes the painted triangles of a frame.
+    pub(super) fn take_painted(&mut self, (revision, frame): (u64, i32), triangles: Vec<StiffTriangle>) {
+        self.painted = Some(PaintedFrame { revision, frame, triangles: triangles.into() });
+    }
+
+    /// Returns the painted triangles of the shown frame; none until they are known.
+    #[must_use]
+    pub fn painted(&self) -> &[StiffTriangle] {
+        let now = (self.revision, self.playhead.frame());
+        let known = self.painted.as_ref().filter(|painted| (painted.revision, painted.frame) == now);
+        known.map_or(&[], |painted| &painted.triangles)
+    }
+}
+
+impl Painting {
+    /// Appends a point, to the last stroke if it is near enough.
+    fn add(&mut self, point: &BrushPoint, brush_radius: f64) {
+        let far = |stroke: &BrushStroke| {
+            let last = stroke.points.last().map_or([f64::INFINITY; 3], |&last| last);
+            let square: f64 = last.iter().zip(point.at).map(|(a, b)| (a - b).powi(2)).sum();
+            square.sqrt() > APART * stroke.radius
+        };
+        self.layer = Some(point.layer);
+        if self.is_broken || self.strokes.last().is_none_or(far) {
+            let radius = rounded(brush_radius * point.per_height);
+            self.strokes.push(BrushStroke { nodes: Vec::new(), points: Vec::new(), radius, value: self.value });
+        }
+        self.is_broken = false;
+        let Some(stroke) = self.strokes.last_mut() else { return };
+        if !stroke.nodes.contains(&point.node) {
+            stroke.nodes.push(point.node.clone());
+        }
+        let fine = stroke.radius / 100.0;
+        stroke.points.push(point.at.map(|x| rounded((x / fine).round() * fine)));
+    }
+}
+
+/// Rounds to five significant digits.
+fn rounded(value: f64) -> f64 {
+    let power = 10.0_f64.powi(4 - value.abs().max(1e-9).log10().floor() as i32);
+    (value * power).round() / power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded;
+
+    #[test]
+    fn numbers_are_short_and_near() {
+        for (value, short) in [(0.123_456_78, 0.123_46), (-1234.5678, -1234.6), (0.0, 0.0), (3e-7, 3e-7)] {
+            assert!((rounded(value) - short).abs() <= 1e-9_f64.max(short.abs() * 1e-9), "{value}: {}", rounded(value));
+        }
+    }
+}

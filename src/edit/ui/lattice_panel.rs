@@ -1,0 +1,109 @@
+//! The settings of a layer's lattice, and the nodes that it moves.
+
+use super::accessible::Accessible;
+use crate::edit::Session;
+use crate::lattice::Basis;
+use crate::shot::edit::Setting;
+use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
+use eframe::egui::{ComboBox, DragValue, Popup, ScrollArea, Ui};
+
+/// Shows the rows of the grid of settings.
+pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
+    ui.label("Lattice");
+    ui.horizontal(|ui| dims(ui, session, layer));
+    ui.end_row();
+    ui.label("Basis");
+    basis(ui, session, layer.basis);
+    ui.end_row();
+    ui.label("Box");
+    bounds(ui, session, layer.space);
+    ui.end_row();
+    if !session.loaded().nodes.is_empty() && session.shot().scene().is_some() {
+        ui.label("Nodes");
+        nodes(ui, session, layer);
+        ui.end_row();
+    }
+}
+
+fn dims(ui: &mut Ui, session: &mut Session, layer: &Layer) {
+    if layer.has_auto_dims {
+        ui.weak("auto");
+        if ui.small_button("set").on_hover_text("Type the numbers of handles").clicked() {
+            session.set_dims(&[10, 10]);
+        }
+        return;
+    }
+    let names = ["Columns", "Rows", "Layers of handles"];
+    let (mut new, most) = match layer.space {
+        LayerSpace::Screen { dims, .. } => (dims.to_vec(), 64),
+        LayerSpace::World { dims, .. } => (dims.to_vec(), 16),
+    };
+    let old = new.clone();
+    for (count, name) in new.iter_mut().zip(names) {
+        ui.add(DragValue::new(count).range(4..=most).speed(0.1)).accessible(name);
+    }
+    if new != old {
+        session.set_dims(&new);
+    }
+}
+
+fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {
+    let name = serde_json::to_value(basis).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+    let list = ComboBox::from_id_salt("basis").selected_text(&name).width(110.0).show_ui(ui, |ui| {
+        for other in ["bspline", "bilinear", "bernstein", "barytri"] {
+            if ui.selectable_label(other == name, other).clicked() {
+                session.set_layer("Change basis", &["lattice", "basis"], &Setting::Text(other.into()), None);
+            }
+        }
+    });
+    list.response.accessible("Basis");
+}
+
+fn bounds(ui: &mut Ui, session: &mut Session, space: LayerSpace) {
+    let (now, offered): (&str, &[&str]) = match space {
+        LayerSpace::Screen { bounds: BoxRule::Follow, .. } => ("follow", &["follow", "frame"]),
+        LayerSpace::Screen { bounds: BoxRule::Frame, .. } => ("frame", &["follow", "frame"]),
+        LayerSpace::Screen { bounds: BoxRule::Fixed(_), .. } => ("fixed", &["follow", "frame"]),
+        LayerSpace::World { bounds: WorldBoxRule::Follow, .. } => ("follow", &["follow"]),
+        LayerSpace::World { bounds: WorldBoxRule::Fixed(_), .. } => ("fixed", &["follow"]),
+    };
+    let list = ComboBox::from_id_salt("box").selected_text(now).width(110.0).show_ui(ui, |ui| {
+        for &other in offered {
+            if ui.selectable_label(other == now, other).clicked() && other != now {
+                session.set_layer("Change box", &["lattice", "box"], &Setting::Text(other.into()), None);
+            }
+        }
+    });
+    list.response.accessible("Box");
+}
+
+/// Shows the patterns of the layer, and all nodes to choose from.
+fn nodes(ui: &mut Ui, session: &mut Session, layer: &Layer) {
+    if layer.selection.is_rest {
+        ui.weak("the rest");
+        return;
+    }
+    let words = match &layer.nodes[..] {
+        [] => "all".to_owned(),
+        [only] => only.clone(),
+        more => format!("{} and {} more", more[0], more.len() - 1),
+    };
+    let button = ui.add(eframe::egui::Button::new(words).truncate()).accessible("Nodes");
+    Popup::menu(&button).close_behavior(eframe::egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        let mut names: Vec<String> = session.loaded().nodes.iter().map(|(name, _)| name.clone()).collect();
+        let patterns = layer.nodes.iter().filter(|pattern| !names.contains(pattern)).cloned();
+        names = patterns.chain(names.clone()).collect();
+        ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+            for name in names {
+                let mut is_in = layer.nodes.contains(&name);
+                if ui.checkbox(&mut is_in, &name).changed() {
+                    let mut nodes: Vec<String> = layer.nodes.iter().filter(|other| **other != name).cloned().collect();
+                    if is_in {
+                        nodes.push(name);
+                    }
+                    session.set_nodes(nodes);
+                }
+            }
+        });
+    });
+}

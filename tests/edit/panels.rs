@@ -1,0 +1,130 @@
+//! The brush, the timeline, the tour and the list of keys in the real interface.
+
+use crate::stage::{SHOT, Stage};
+use crate::window::{Window, place, pointer, session, settled, until, window};
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
+use egui_kittest::kittest::Queryable;
+use std::fs;
+
+fn key(window: &mut Window, key: Key, pressed: bool) {
+    let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);
+    window.event(Event::Key { key, physical_key, pressed, repeat, modifiers });
+    window.step();
+}
+
+/// Two pins with keys in the left layer.
+const PINS: &str = "coarse on purpose
+
+[[layer.pin]]
+name   = \"a\"
+anchor = { screen = [0.3, 0.5], frame = 1 }
+keys   = [{ frame = 1, offset = [0.0, 0.0] }, { frame = 3, offset = [0.1, 0.0] }, { frame = 6, offset = [0.0, 0.0] }]
+
+[[layer.pin]]
+name   = \"b\"
+anchor = { screen = [0.6, 0.5], frame = 1 }
+keys   = [{ frame = 2, offset = [0.0, 0.0] }, { frame = 3, offset = [0.0, 0.1] }, { frame = 5, offset = [0.0, 0.0] }]
+";
+
+#[test]
+fn a_held_key_paints_stiffness_and_shift_erases_it() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let way: Vec<Pos2> = [0.3, 0.4, 0.5].iter().map(|&x| place(&window, x, 0.5)).collect();
+    pointer(&mut window, way[0], None);
+    key(&mut window, Key::S, true);
+    pointer(&mut window, way[0], Some(true));
+    pointer(&mut window, way[1], None);
+    until(&mut window, "the paint is seen", |window| !session(window).painted().is_empty());
+    pointer(&mut window, way[2], None);
+    pointer(&mut window, way[2], Some(false));
+    let strokes = |window: &Window| session(window).document().shot().layers[0].strokes.len();
+    until(&mut window, "the stroke is written", |window| strokes(window) == 1);
+    settled(&mut window);
+    until(&mut window, "the paint of the frame is known", |window| !session(window).painted().is_empty());
+    window.event(Event::PointerMoved(way[1]));
+    let modifiers = Modifiers::SHIFT;
+    for pressed in [true, false] {
+        window.event(Event::ModifiersChanged(modifiers));
+        window.event(Event::PointerButton { pos: way[1], button: PointerButton::Primary, pressed, modifiers });
+        window.step();
+    }
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
+    until(&mut window, "the stroke is written", |window| strokes(window) == 2);
+    assert_eq!(session(&window).document().shot().layers[0].strokes[1].value, 1.0);
+    key(&mut window, Key::S, false);
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.run_steps(2);
+    }
+    assert_eq!(session(&window).document().text(), SHOT);
+    assert_eq!(session(&window).document().history().labels().count(), 0);
+}
+
+#[test]
+fn a_box_in_the_timeline_chooses_keys_of_many_pins() {
+    let stage = Stage::new();
+    fs::write(stage.shot(), SHOT.replacen("coarse on purpose\n", PINS, 1)).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let rows = ["a", "b"].map(|name| -> Rect { window.get_by_label(&format!("Keys of {name}")).rect() });
+    // Six frames between the names and the right end.
+    let frames = rows[0].left() + 150.0..=rows[0].right() - 16.0;
+    let x = |frame: f32| frames.start() + (frame - 0.5) / 6.0 * (frames.end() - frames.start());
+    let (from, to) = (egui::pos2(x(3.5), rows[0].top() + 2.0), egui::pos2(x(2.5), rows[1].bottom() - 2.0));
+    pointer(&mut window, from, Some(true));
+    for step in 1..=5 {
+        pointer(&mut window, from + (to - from) * (step as f32 / 5.0), None);
+    }
+    pointer(&mut window, to, Some(false));
+    window.key_press(Key::Delete);
+    window.run_steps(2);
+    let times = |window: &Window, pin: usize| {
+        let keys = &session(window).document().shot().layers[0].pins[pin].keys;
+        keys.iter().map(|key| key.frame).collect::<Vec<_>>()
+    };
+    assert_eq!((times(&window, 0), times(&window, 1)), (vec![1.0, 6.0], vec![2.0, 5.0]));
+    let labels: Vec<&str> = session(&window).document().history().labels().collect();
+    assert_eq!(labels, ["Delete keys"], "they are undone at once");
+}
+
+#[test]
+fn the_tour_opens_a_scene_and_leads_from_step_to_step() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), None);
+    window.get_by_label("Take the tour of two minutes").click();
+    window.run_steps(3);
+    assert!(session(&window).document().path().ends_with("walker/shot.toml"));
+    assert!(window.query_by_label("Drag a pin").is_some());
+    window.get_by_label("Skip this step").click();
+    window.run_steps(2);
+    assert!(window.query_by_label("Go to another frame").is_some());
+    window.get_by_label("Frame forward").click();
+    window.run_steps(3);
+    assert!(window.query_by_label("Drag the hand again").is_some(), "a step that is done is left");
+    window.get_by_label("End the tour").click();
+    window.run_steps(2);
+    assert!(window.query_by_label("Drag the hand again").is_none());
+}
+
+#[test]
+fn a_key_is_bound_anew_in_the_list() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::F1);
+    window.run_steps(2);
+    window.get_by_label("Key of Fit the picture").click();
+    window.run_steps(2);
+    window.key_press(Key::J);
+    window.run_steps(3);
+    let kept = fs::read_to_string(stage.state().join("keys.json")).expect("it is kept");
+    assert_eq!(kept, "{\n  \"fit\": \"J\"\n}");
+    window.get_by_label("Key of Fit the picture").click();
+    window.run_steps(2);
+    window.key_press(Key::K);
+    window.run_steps(3);
+    assert!(window.query_by_label_contains("both 'key' and 'fit'").is_some(), "a clash is told");
+    assert_eq!(fs::read_to_string(stage.state().join("keys.json")).expect("as before"), kept);
+}

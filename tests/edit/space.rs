@@ -1,0 +1,98 @@
+//! Lattices in the scene: their handles and pins in metres follow the pen; their dims change without losing the edit.
+
+use crate::stage::{SHOT, Stage, TIMEOUT, at, press};
+use pinwarp::edit::{Channel, EasePreset, Session};
+use pinwarp::shot::Goal;
+use std::fs;
+
+/// The stage with a lattice in the scene under the left card, and more text in its layer.
+fn in_scene(stage: &Stage, more: &str) -> Session {
+    let lattice = "lattice = { space = \"world\", dims = [4, 4, 4] }   #";
+    let text = SHOT.replacen("lattice = { dims = [6, 6] }   #", lattice, 1);
+    let text = text.replacen("coarse on purpose\n", &format!("coarse on purpose\n{more}\n"), 1);
+    fs::write(stage.shot(), text).expect("written");
+    stage.session()
+}
+
+fn drag(session: &mut Session, from: [f64; 2], by: [f64; 2]) {
+    press(session, at(from[0], from[1]));
+    session.motion(at(from[0] + 0.5 * by[0], from[1] + 0.5 * by[1]));
+    session.motion(at(from[0] + by[0], from[1] + by[1]));
+    session.release();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+}
+
+#[test]
+fn a_handle_in_the_scene_follows_the_pen_and_is_undone() {
+    let stage = Stage::new();
+    let mut session = in_scene(&stage, "");
+    session.shown.handles = true;
+    let untouched = session.document().text().to_owned();
+    let marks = session.marks().iter().find(|marks| marks.layer == 0).expect("at rest, but seen").clone();
+    assert_eq!((marks.handles.len(), marks.handle_steps.len()), (64, 64));
+    let number = 21;
+    let from = marks.handles[number].expect("seen").0;
+    drag(&mut session, from.to_array(), [0.05, 0.08]);
+    let tracks = session.document().shot().layers[0].handles.clone();
+    let [x, y, z] = tracks[0].index;
+    let chosen = x + 4 * (y + 4 * z);
+    let was = marks.handles[chosen].expect("seen").0;
+    let now = session.marks()[0].handles[chosen].expect("seen").0;
+    assert!((now - was - glam::DVec2::new(0.05, 0.08)).length() < 1e-4, "{was} to {now}");
+    assert!(session.document().text().contains("[[layer.handle]]"));
+    let text = session.document().text().to_owned();
+    // Twice as many spans keep what was moved.
+    session.set_dims(&[7, 7, 7]);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    assert_eq!(session.document().shot().layers[0].handles[0].keys, tracks[0].keys);
+    session.undo();
+    assert_eq!(session.document().text(), text);
+    session.undo();
+    assert_eq!(session.document().text(), untouched);
+}
+
+#[test]
+fn a_moved_handle_is_eased_moved_in_time_and_put_back() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    session.shown.handles = true;
+    let untouched = session.document().text().to_owned();
+    let handle = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
+    session.go(4);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let seen = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
+    drag(&mut session, seen.to_array(), [0.03, 0.04]);
+    assert!(handle.is_finite());
+    let at = (0, [2, 3, 0]);
+    let keys = |session: &Session| session.document().shot().layers[0].handles[0].keys.clone();
+    assert_eq!(keys(&session).iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 4.0]);
+    session.choose_handle_key(at, 4.0, false);
+    session.shift_keys(1);
+    session.ease_keys(EasePreset::Hold);
+    assert_eq!(keys(&session).iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 5.0]);
+    assert_eq!(keys(&session)[1].ease, EasePreset::Hold.ease());
+    session.delete_keys();
+    assert_eq!(keys(&session).len(), 1);
+    session.delete_pins();
+    assert_eq!(session.document().text(), untouched);
+    assert_eq!(session.document().history().labels().last(), Some("Reset handle"));
+}
+
+#[test]
+fn pins_in_metres_and_in_sizes_of_the_box_follow_the_pen() {
+    for unit in ["frame", "box"] {
+        let stage = Stage::new();
+        let pin = format!(
+            "\n[[layer.pin]]\nname = \"p\"\nunit = \"{unit}\"\nanchor = {{ screen = [0.4, 0.5], frame = 1 }}\nkeys = [{{ frame = 1, offset = [0.0, 0.0, 0.0] }}]\n"
+        );
+        let mut session = in_scene(&stage, &pin);
+        let from = session.marks()[0].pins[0].target.0;
+        drag(&mut session, from.to_array(), [0.06, 0.1]);
+        let to = session.marks()[0].pins[0].target.0;
+        assert!((to - from - glam::DVec2::new(0.06, 0.1)).length() < 1e-4, "{unit}: {from} to {to}");
+        let key = session.document().shot().layers[0].pins[0].keys[0];
+        let Goal::SceneOffset([x, y, _]) = key.goal else { panic!("{key:?}") };
+        assert!(x > 0.0 && y > 0.0, "{key:?}");
+        assert_eq!(session.curve_keys([0, 0], Channel::Y), [[1.0, y]]);
+    }
+}
