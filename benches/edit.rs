@@ -1,16 +1,18 @@
 //! Latency and memory of the editor: opening a file to the first picture, pointer to marks and to picture, processor load at
 //! rest, memory after a long session.
 //!
-//! Run with `cargo bench --bench edit`. In: the walker at 1080p; Knight.glb, if the shared assets are next to the repository
-//! or in PINWARP_SHARED; a plane of a million vertices. Out: printed lines.
+//! Run with `cargo bench --bench edit`. In: the walker and the hare at 1080p; Knight.glb, if the shared assets are next to the
+//! repository or in PINWARP_SHARED; a plane of a million vertices. Out: printed lines. `cargo bench --bench edit -- --edits 5000`
+//! makes that many edits of all kinds instead, and prints the memory over them.
 
 #[allow(dead_code, reason = "other tests need more of it")]
 #[path = "../tests/support/tiny.rs"]
 mod tiny;
 
-use pinwarp::edit::{Document, Held, Ring, Session, open};
+use pinwarp::edit::{Document, Held, PinPart, Ring, Session, open};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
+use pinwarp::shot::edit::Setting;
 use pinwarp::space::ScreenPoint;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,12 +31,19 @@ const ROUNDS: usize = 240;
 const REST: Duration = Duration::from_secs(5);
 
 fn main() {
+    let mut words = std::env::args().skip_while(|word| word != "--edits").skip(1);
+    if let Some(count) = words.next().and_then(|count| count.parse().ok()) {
+        return endure(count);
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let walker = root.join("scenes/walker/shot.toml");
     let text = std::fs::read_to_string(&walker).expect("a bundled scene");
     let text = text.replace("size    = [1280, 720]", "size    = [1920, 1080]");
     assert!(text.contains("1920"), "the shot says its size as it did");
     measure("walker, 1920 x 1080", || Document::new(&walker, text.clone()).expect("a shot"));
+    let hare = root.join("scenes/hare/shot.toml");
+    let in_scene = std::fs::read_to_string(&hare).expect("a bundled scene").replace("[960, 960]", "[1080, 1080]");
+    measure("hare, 1080 x 1080", || Document::new(&hare, in_scene.clone()).expect("a shot"));
     let shared = std::env::var_os("PINWARP_SHARED").map_or_else(|| root.join("../shared"), PathBuf::from);
     if let Some(knight) = find(&shared.join("assets"), "Knight.glb") {
         measure("Knight.glb, 1920 x 1080", || open(&knight, FileAccess::SceneFolder).expect("a scene"));
@@ -186,6 +195,97 @@ fn work(name: &str, document: impl Fn() -> Document) {
         }
     }
     println!("{name}: {ROUNDS} drags in {:.0} s; memory after each quarter {} MiB", ms(begun) / 1e3, told.join(", "));
+}
+
+/// Number of times that a long session says how much memory it has.
+const REPORTS: usize = 20;
+
+/// A long session of edits of all kinds on a small shot, solved over time: the memory over the edits, and its slope in the second half.
+fn endure(count: usize) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = Tiny::of(vec![grid("Left", [-0.7, -0.3, -0.1, 0.3], 24), grid("Right", [0.1, -0.3, 0.7, 0.3], 24)]);
+    std::fs::write(folder.path().join("cards.gltf"), scene.json().to_string()).expect("written");
+    let text = "version = 1\nscene = \"cards.gltf\"\nframes = { first = 1, last = 12 }\nsize = [320, 180]\nsamples = 4\n\n\
+                [[layer]]\nname = \"left\"\nnodes = [\"Left\"]\n\n[[layer]]\nname = \"right\"\nnodes = [\"Right\"]\n";
+    let document = Document::new(&folder.path().join("shot.toml"), text.to_owned()).expect("a shot");
+    let mut session = Session::new(document, DeviceChoice::Cpu, || ());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    session.shown.handles = true;
+    place(&mut session, ScreenPoint::new(0.5, 0.5));
+    let begun = Instant::now();
+    let mut seen: Vec<[f64; 2]> = Vec::new();
+    for edit in 0..count {
+        step(&mut session, edit);
+        if (edit + 1) % (count / REPORTS).max(1) == 0 {
+            assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+            wait(&mut session, |session| session.is_idle().then_some(()));
+            let changes = session.document().history().labels().count();
+            let Some(mib) = resident_mib() else { continue };
+            println!("{} edits in {:.0} s: {mib:.1} MiB, {changes} changes to undo", edit + 1, ms(begun) / 1e3);
+            seen.push([(edit + 1) as f64, mib * 1024.0 * 1024.0]);
+        }
+    }
+    println!("slope of the second half: {:.0} bytes per edit", slope(&seen[seen.len() / 2..]));
+}
+
+/// One edit of a long session: each kind in turn.
+fn step(session: &mut Session, edit: usize) {
+    session.go(1 + (7 * edit as i32).rem_euclid(12));
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let part = PinPart::Stiffness;
+    // Every other edit goes back.
+    let far = 0.002 * (edit / 16 % 17) as f64 * if edit / 8 % 2 == 0 { 1.0 } else { -1.0 };
+    match edit % 8 {
+        0 | 1 => drag_by(session, far, Held::default()),
+        2 => session.undo(),
+        3 => session.nudge(glam::DVec2::new(far, -far)),
+        4 => {
+            session.selection.clear();
+            let at = ScreenPoint::new(0.5, 0.4 + far);
+            session.press(at, (0.01, RING), Held { part, ..Held::default() });
+            session.motion(ScreenPoint::new(0.55, 0.5));
+            session.release();
+        }
+        5 if edit % 64 == 5 => session.clear_painting(),
+        5 => session.toggle_mute("right"),
+        6 => session.set_layer("Change smoothness", &["solve", "smoothness"], &Setting::Number(1.0 + far.abs()), None),
+        _ => {
+            // A new pin comes and goes.
+            place(session, ScreenPoint::new(1.2, 0.4 + far));
+            session.delete_pins();
+        }
+    }
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+}
+
+/// Places a pin.
+fn place(session: &mut Session, at: ScreenPoint) {
+    session.selection.clear();
+    session.press(at, (0.001, RING), Held::default());
+    session.release();
+    wait(session, |session| session.selection.single_pin());
+}
+
+/// Drags the first pin.
+fn drag_by(session: &mut Session, far: f64, held: Held) {
+    let from = session.marks().iter().flat_map(|marks| &marks.pins).next().map(|pin| pin.target);
+    let Some(from) = from else { return };
+    session.press(from, (0.01, RING), held);
+    for step in 1..=4 {
+        let by = far * f64::from(step);
+        session.motion(ScreenPoint::new(from.0.x + by, from.0.y - 0.5 * by));
+        session.pump();
+    }
+    session.release();
+}
+
+/// The slope of a straight line through points, by least squares.
+fn slope(points: &[[f64; 2]]) -> f64 {
+    let count = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
+    let [x, y] = [mean(0), mean(1)];
+    let over: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
+    over / points.iter().map(|point| (point[0] - x).powi(2)).sum::<f64>().max(1.0)
 }
 
 /// Processor time of this process over all cores, in seconds; `None` if the system does not provide it.

@@ -63,6 +63,7 @@ pub use viewer::layer_marks::{LayerMarks, PinMark, layer_marks, resting_marks};
 pub use viewer::new_shot::{NewShot, new_shot, path_between};
 pub use viewer::open_shot::{OpenShot, Rework};
 pub use viewer::picked_point::PickedPoint;
+pub use viewer::problem_shot::{ProblemShot, problem_shot};
 pub use viewer::stiff_triangles::StiffTriangle;
 pub use viewer::still::{Device, IsCancelled};
 #[cfg(feature = "editor")]

@@ -13,7 +13,7 @@ use std::path::Path;
 
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<Outcome> {
     let mut inputs = outputs::inputs_of([&args.scene]);
-    let NewShot { facts, warnings, files_beside } = new_shot(&args.scene, args.outside.access())?;
+    let NewShot { facts, warnings, files_beside, .. } = new_shot(&args.scene, args.outside.access())?;
     files_beside.iter().for_each(|file| inputs.add(file));
     outputs::allow(&inputs, &args.output, args.overwrite)?;
     let path = path_between(args.output.parent().unwrap_or(Path::new("")), &args.scene)?;

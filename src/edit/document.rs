@@ -10,6 +10,7 @@ use super::journal::{Journal, Unfinished};
 use crate::files::{SHOT_BYTES, read_text};
 use crate::image::replace_text;
 use crate::pipeline::path_between;
+use crate::scene::Scene;
 use crate::shot::edit::{Setting, put_setting};
 use crate::shot::{Shot, ShotError, Source};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ pub struct Document {
     shot: Shot,
     history: History,
     journal: Option<Journal>,
+    /// The scene of a new shot, which was loaded to write the shot.
+    scene: Option<Scene>,
 }
 
 /// The result of checking the file on disk.
@@ -56,7 +59,17 @@ impl Document {
     pub fn new(path: &Path, text: String) -> Result<Self, EditError> {
         let shot = Shot::parse(&text, path)?;
         let (path, history) = (path.to_owned(), History::default());
-        Ok(Self { path, text, on_disk: None, shot, history, journal: None })
+        Ok(Self { path, text, on_disk: None, shot, history, journal: None, scene: None })
+    }
+
+    /// Keeps a scene that is loaded already, so that it need not be loaded again.
+    pub(crate) fn with_scene(self, scene: Option<Scene>) -> Self {
+        Self { scene, ..self }
+    }
+
+    /// Takes the loaded scene.
+    pub(crate) const fn take_scene(&mut self) -> Option<Scene> {
+        self.scene.take()
     }
 
     /// Restores a document from the journal of a killed editor.

@@ -1,11 +1,11 @@
-//! Opens any supported file: a shot, a scene, a picture, or a sequence of plates.
+//! Opens any supported file: a shot, a scene, a picture, a sequence of plates, or a problem file.
 //!
 //! In: a path. Out: a [`Document`]. Anything but a shot file gets the text that `pinwarp new` would write, and a shot
-//! path next to it.
+//! path next to it. The mesh of a problem file is written beside it as a scene.
 
 use super::{Document, EditError};
-use crate::image::{PictureKind, SequencePath, picture_size};
-use crate::pipeline::{NewShot, new_shot, path_between};
+use crate::image::{PictureKind, SequencePath, picture_size, replace_bytes};
+use crate::pipeline::{NewShot, ProblemShot, new_shot, path_between, problem_shot};
 use crate::scene::FileAccess;
 use crate::shot::template;
 use std::path::{Path, PathBuf};
@@ -24,16 +24,22 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
         // Opening a scene again continues its existing shot.
         return Document::open(&beside);
     }
+    if ending == "json" {
+        return problem(path, &beside);
+    }
     if PictureKind::of(path).is_some() && !path.is_file() {
         return plates(path, &beside);
     }
-    let NewShot { facts, .. } = new_shot(path, access)?;
+    let NewShot { facts, scene, .. } = new_shot(path, access)?;
     let seen = path_between(path.parent().unwrap_or(Path::new("")), path)?;
     let name = seen.to_str().ok_or_else(|| EditError::Unusable {
         what: format!("{}: the name is not valid Unicode", path.display()),
         hint: "rename it".into(),
     })?;
-    Document::new(&beside, template::write(name, &facts))
+    let document = Document::new(&beside, template::write(name, &facts))?;
+    // A shot allows other files than those of the scene's folder only if it says so.
+    let is_as_allowed = access == FileAccess::SceneFolder || document.shot().allow_outside;
+    Ok(document.with_scene(scene.filter(|_| is_as_allowed)))
 }
 
 /// Creates a shot that warps finished frames of another renderer as whole pictures.
@@ -43,7 +49,7 @@ fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
         return Err(EditError::Unusable {
             what: format!("{}: there is no such file or sequence", pattern.display()),
-            hint: "open a shot (.toml), a scene (.glb, .gltf), a picture, or frames named like frame.####.exr".into(),
+            hint: "open a shot (.toml), a scene (.glb, .gltf), a picture, a problem (.json), or frames named like frame.####.exr".into(),
         });
     };
     let size = picture_size(&sequence.path_of(*first))?;
@@ -53,6 +59,15 @@ fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
          size    = [{}, {}]\n\n[[layer]]\nname    = \"all\"\n",
         size.width, size.height
     );
+    Document::new(shot, text)
+}
+
+/// Creates a scene and a shot of a problem file.
+fn problem(path: &Path, shot: &Path) -> Result<Document, EditError> {
+    let scene = path.with_extension("problem.glb");
+    let name = scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let ProblemShot { glb, text } = problem_shot(path, &name)?;
+    replace_bytes(&scene, &glb)?;
     Document::new(shot, text)
 }
 

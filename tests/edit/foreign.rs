@@ -121,6 +121,37 @@ fn a_lattice_in_the_scene_is_edited_beside_one_of_the_screen() {
 }
 
 #[test]
+fn a_problem_becomes_a_shot_with_its_poses_as_keys() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let own = folder.path().join("frog.json");
+    fs::copy(root.join("scenes/figures/frog.json"), &own).expect("copied");
+    let document = open(&own, FileAccess::SceneFolder).expect("it opens");
+    let path = own.with_extension("toml");
+    fs::write(&path, document.text().replace("[1920, 1080]", "[192, 108]")).expect("written");
+    let mut session = opened(&path);
+    let pins = &session.document().shot().layers[0].pins;
+    assert!(pins.len() > 2 && pins.iter().any(|pin| pin.keys.len() > 1), "{pins:?}");
+    assert!(session.picture().expect("drawn").rgba.chunks_exact(4).any(|pixel| pixel[3] == 255), "something is seen");
+    session.go(13);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let far = |session: &Session| {
+        let marks = session.marks()[0].pins.iter();
+        marks.map(|mark| (mark.target - mark.rest).0.length()).fold(0.0, f64::max)
+    };
+    assert!(far(&session) > 0.02, "{}", far(&session));
+    // In space, too; and other files are told apart.
+    let space = folder.path().join("space.json");
+    fs::copy(root.join("tests/fuzz/sound/problem_3d.json"), &space).expect("copied");
+    let document = open(&space, FileAccess::SceneFolder).expect("it opens");
+    assert!(document.text().contains("space = \"world\""), "{}", document.text());
+    let lattice = folder.path().join("lattice.json");
+    fs::copy(root.join("tests/fuzz/sound/lattice.json"), &lattice).expect("copied");
+    let error = open(&lattice, FileAccess::SceneFolder).map(|_| ()).expect_err("no problem");
+    assert!(error.to_string().contains("not a problem file"), "{error}");
+}
+
+#[test]
 fn broken_files_are_reported_and_a_shot_that_breaks_on_disk_changes_nothing() {
     let stage = Stage::new();
     let told = |path: &Path| open(path, FileAccess::SceneFolder).map(|_| ()).expect_err("it is broken").to_string();

@@ -106,11 +106,12 @@ pub struct Session {
 impl Session {
     /// Edits a document; `wake` is called whenever there is something new to display.
     #[must_use]
-    pub fn new(document: Document, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
+    pub fn new(mut document: Document, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let playhead = Playhead::new(&document.shot().frames);
+        let scene = document.take_scene();
         let mut session = Self {
             document,
-            worker: Worker::start(device, wake),
+            worker: Worker::start((device, scene), wake),
             playhead,
             zoom: Zoom::default(),
             viewport: glam::DVec2::new(960.0, 540.0),

@@ -86,7 +86,7 @@ impl Browser {
                     choice = Choice::Cancelled;
                 }
             });
-            ui.weak("Shots (.toml), scenes (.glb, .gltf), pictures (.png, .jpg, .exr), plates: frame.####.exr");
+            ui.weak("Shots (.toml), scenes (.glb, .gltf), pictures (.png, .jpg, .exr), plates: frame.####.exr, problems (.json)");
             ui.separator();
             ScrollArea::vertical().auto_shrink(false).max_height(360.0).show(ui, |ui| {
                 let mut entered = None;

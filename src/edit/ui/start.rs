@@ -31,7 +31,7 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
                 action = Some(StartAction::Open);
             }
             ui.add_space(4.0);
-            ui.weak("or drop a scene (.glb, .gltf), a picture or a shot (.toml) on this window");
+            ui.weak("or drop a scene (.glb, .gltf), a picture, a shot (.toml) or a problem (.json) on this window");
             if let Some(fault) = fault {
                 ui.add_space(8.0);
                 ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));

@@ -12,6 +12,7 @@ use crate::pipeline::{
 };
 use crate::raster::geometry::KeptParts;
 use crate::raster::{self, DeviceChoice, Raster};
+use crate::scene::Scene;
 use crate::shot::{LayerSpace, Shot};
 use crate::space::FrameSize;
 use std::sync::atomic::Ordering;
@@ -36,6 +37,8 @@ const WATCH: Duration = Duration::from_secs(1);
 /// Loads, solves and draws.
 pub(super) struct FrameWorker {
     choice: DeviceChoice,
+    /// The scene of the first job, if it is loaded already.
+    loaded: Option<Scene>,
     open: Option<OpenShot>,
     device: Option<Box<dyn Raster + Send>>,
     drag: Option<DragSolve>,
@@ -58,10 +61,11 @@ enum Task {
 }
 
 impl FrameWorker {
-    pub(super) fn new(choice: DeviceChoice) -> Self {
+    pub(super) fn new(choice: DeviceChoice, loaded: Option<Scene>) -> Self {
         let (open, device, drag, seen) = (None, None, None, None);
         Self {
             choice,
+            loaded,
             open,
             device,
             drag,
@@ -129,7 +133,10 @@ impl FrameWorker {
         let rework = match &mut self.open {
             Some(open) => open.edit(shot)?,
             None => {
-                self.open = Some(OpenShot::new(shot)?);
+                self.open = Some(match self.loaded.take() {
+                    Some(scene) => OpenShot::with_scene(shot, scene)?,
+                    None => OpenShot::new(shot)?,
+                });
                 Rework::Scene
             }
         };

@@ -3,6 +3,7 @@
 use super::frame_worker::FrameWorker;
 use super::mail::{Inbox, Job, Question, Queue, Reply, ReplySender};
 use crate::raster::DeviceChoice;
+use crate::scene::Scene;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, PoisonError};
@@ -16,12 +17,15 @@ pub(in crate::edit) struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread; `wake` is called for every reply.
+    /// Starts the thread; `wake` is called for every reply. `scene`: that of the first job, if it is loaded already.
     #[must_use]
-    pub(in crate::edit) fn start(device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
+    pub(in crate::edit) fn start(
+        (device, scene): (DeviceChoice, Option<Scene>),
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
         let (inbox, (reply, replies)) = (Arc::new(Inbox::default()), channel());
         let own = Arc::clone(&inbox);
-        let work = move || FrameWorker::new(device).run(&own, &ReplySender { reply, wake: Box::new(wake) });
+        let work = move || FrameWorker::new(device, scene).run(&own, &ReplySender { reply, wake: Box::new(wake) });
         let thread = std::thread::Builder::new().name("edit: frames".into()).spawn(work);
         if let Err(error) = &thread {
             tracing::error!("no thread can be started: {error}");

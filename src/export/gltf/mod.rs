@@ -65,6 +65,14 @@ fn add_camera(json: &mut Value, camera: &AddedCamera) -> usize {
     node
 }
 
+/// Returns a packed file as it is.
+///
+/// # Errors
+/// As [`glb`].
+pub fn packed_glb(packed: Packed) -> Result<Vec<u8>, ExportError> {
+    container(packed)
+}
+
 /// Assembles the header, the JSON chunk padded with spaces, and the binary chunk padded with zeros.
 fn container(mut packed: Packed) -> Result<Vec<u8>, ExportError> {
     packed.binary.resize(packed.binary.len().next_multiple_of(4), 0);

@@ -62,9 +62,18 @@ impl PreparedShot {
         check_size(&shot)?;
         missing_files::check(&shot)?;
         let (scene, gallery) = load(&shot)?;
+        Ok(Self { gallery, ..Self::with_own_scene(shot, scene)? })
+    }
+
+    /// Prepares a shot with its own scene, which is already loaded.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(in crate::pipeline) fn with_own_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
+        check_size(&shot)?;
         let prepared = Self::with_scene(shot, scene)?;
         check_branching(&prepared)?;
-        Ok(Self { gallery, ..prepared })
+        Ok(prepared)
     }
 
     /// Prepares a shot with a scene that is already loaded, in place of its own.

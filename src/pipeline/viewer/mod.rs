@@ -7,6 +7,7 @@ pub(super) mod layer_marks;
 pub(super) mod new_shot;
 pub(super) mod open_shot;
 pub(super) mod picked_point;
+pub(super) mod problem_shot;
 pub(super) mod stiff_triangles;
 pub(super) mod still;
 #[cfg(feature = "editor")]

@@ -21,7 +21,7 @@ const MAX_FRAME: f32 = 999_999.0;
 const DEFAULT_FRAMES: i32 = 24;
 
 /// The inputs of a new shot.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct NewShot {
     /// Facts for the template.
     pub facts: TemplateFacts,
@@ -29,6 +29,8 @@ pub struct NewShot {
     pub warnings: Vec<String>,
     /// Files to which the scene refers.
     pub files_beside: Vec<PathBuf>,
+    /// The scene, unless the file is a picture.
+    pub scene: Option<Scene>,
 }
 
 /// Inspects a scene, or a picture if the file name has a picture's extension.
@@ -38,10 +40,16 @@ pub struct NewShot {
 pub fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineError> {
     // Files without a picture's extension are read as scenes, whose reader reports unsupported types.
     if PictureKind::of(path).is_some() {
-        return Ok(NewShot { facts: picture_facts(path)?, warnings: Vec::new(), files_beside: Vec::new() });
+        return Ok(NewShot {
+            facts: picture_facts(path)?,
+            warnings: Vec::new(),
+            files_beside: Vec::new(),
+            scene: None,
+        });
     }
     let scene = scene::load_with(path, access)?;
-    Ok(NewShot { facts: scene_facts(&scene), warnings: scene.warnings, files_beside: scene.files_beside })
+    let (warnings, files_beside) = (scene.warnings.clone(), scene.files_beside.clone());
+    Ok(NewShot { facts: scene_facts(&scene), warnings, files_beside, scene: Some(scene) })
 }
 
 /// Collects the facts about a picture.

@@ -10,6 +10,7 @@ use crate::pipeline::prepare::{auto_dims, stiffness};
 use crate::pipeline::{PipelineError, PreparedShot};
 use crate::pose::pose;
 use crate::raster::ChannelGroup;
+use crate::scene::Scene;
 use crate::shot::{BrushStroke, CameraRule, KeyLines, Layer, LayerSpace, Pin, Shot, StiffnessRule};
 use crate::solve::Settings;
 
@@ -45,6 +46,14 @@ impl OpenShot {
     /// As [`PreparedShot::new`].
     pub fn new(shot: Shot) -> Result<Self, PipelineError> {
         Ok(Self { given: shot.clone(), prepared: PreparedShot::new(colour_only(shot))? })
+    }
+
+    /// Opens a shot whose scene was just loaded.
+    ///
+    /// # Errors
+    /// As [`PreparedShot::new`].
+    pub fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
+        Ok(Self { given: shot.clone(), prepared: PreparedShot::with_own_scene(colour_only(shot), scene)? })
     }
 
     /// Returns the prepared shot, which renders colour only.
