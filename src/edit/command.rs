@@ -57,6 +57,26 @@ impl Command {
     }
 }
 
+/// Returns a text with the changes of two others; `None` if they change the same place, or places that touch.
+///
+/// ```
+/// use pinwarp::edit::merged;
+/// let base = "x = 1\ny = 2\nz = 3\n";
+/// assert_eq!(merged(base, "x = 9\ny = 2\nz = 3\n", "x = 1\ny = 2\nz = 8\n").as_deref(), Some("x = 9\ny = 2\nz = 8\n"));
+/// assert_eq!(merged(base, "x = 9\ny = 2\nz = 3\n", "x = 8\ny = 2\nz = 3\n"), None);
+/// ```
+#[must_use]
+pub fn merged(base: &str, one: &str, other: &str) -> Option<String> {
+    let (Some(a), Some(b)) = (Command::between("", base, one), Command::between("", base, other)) else {
+        return Some(if base == one { other } else { one }.to_owned());
+    };
+    let (first, last) = if a.at <= b.at { (a, b) } else { (b, a) };
+    // Both may be parts of one line, whose meaning they would then share.
+    let end = first.at + first.removed.len();
+    let is_apart = end <= last.at && base[end..last.at].contains('\n');
+    is_apart.then(|| last.apply(base).and_then(|text| first.apply(&text))).flatten()
+}
+
 fn replaced(text: &str, at: usize, (old, new): (&str, &str)) -> Option<String> {
     let rest = text.get(at..)?.strip_prefix(old)?;
     Some([&text[..at], new, rest].concat())

@@ -4,7 +4,7 @@
 //! is not a valid shot is rejected, so that what is saved can always be rendered.
 
 use super::EditError;
-use super::command::Command;
+use super::command::{Command, merged};
 use super::history::History;
 use super::journal::{Journal, Unfinished};
 use crate::files::{SHOT_BYTES, read_text};
@@ -36,7 +36,9 @@ pub enum DiskChange {
     None,
     /// Another program wrote it, and it was reloaded, as there are no unsaved changes.
     Reloaded,
-    /// Another program wrote it while there are unsaved changes; holds the text on disk.
+    /// Another program wrote it while there are unsaved changes elsewhere in the file: both were kept.
+    Merged,
+    /// Another program wrote it while there are unsaved changes in the same place; holds the text on disk.
     Conflict(String),
 }
 
@@ -224,7 +226,8 @@ impl Document {
         Ok(())
     }
 
-    /// Checks whether another program wrote the file, and reloads it if there are no unsaved changes.
+    /// Checks whether another program wrote the file: reloads it if there are no unsaved changes, and merges them if they are in
+    /// other places.
     ///
     /// # Errors
     /// [`EditError`] if the file on disk is not a valid shot.
@@ -235,7 +238,13 @@ impl Document {
             return Ok(DiskChange::None);
         }
         if self.is_dirty() && text != self.text {
-            return Ok(DiskChange::Conflict(text));
+            let merged = merged(known, &self.text, &text);
+            let is_merged = merged.is_some_and(|merged| self.change("Merge with the file", merged, None).is_ok());
+            if !is_merged {
+                return Ok(DiskChange::Conflict(text));
+            }
+            self.on_disk = Some(text);
+            return Ok(DiskChange::Merged);
         }
         self.take_from_disk(text)?;
         Ok(DiskChange::Reloaded)

@@ -30,7 +30,7 @@ mod zoom;
 
 pub mod ui;
 
-pub use command::Command;
+pub use command::{Command, merged};
 pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};
 pub use error::EditError;

@@ -1,7 +1,7 @@
 //! A person's work without a window: place, drag, key, undo, save, render.
 
 use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
-use pinwarp::edit::{EasePreset, Picture, Quality, Session};
+use pinwarp::edit::{DiskChange, EasePreset, Picture, Quality, Session};
 use pinwarp::image::{preview, read_exr};
 use pinwarp::pipeline::{PreparedShot, RenderOptions, render};
 use pinwarp::raster::DeviceChoice;
@@ -180,4 +180,24 @@ fn a_faulty_edit_is_reported_and_changes_nothing() {
     assert_eq!(session.document().text(), SHOT);
     session.delete_pins();
     assert_eq!(session.message(), Some("No pin is selected: click one first."));
+}
+
+#[test]
+fn changes_elsewhere_in_the_file_are_merged_and_those_in_one_place_are_asked_about() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
+    let own = session.document().text().to_owned();
+    fs::write(stage.shot(), SHOT.replace("samples = 4", "samples = 5 # more")).expect("written");
+    assert_eq!(session.document_mut().check_disk().expect("a shot"), DiskChange::Merged);
+    let merged = session.document().text().to_owned();
+    assert_eq!(merged, own.replace("samples = 4", "samples = 5 # more"));
+    assert!(session.document().is_dirty() && session.document().shot().samples == 5);
+    session.undo();
+    assert_eq!(session.document().text(), own);
+    session.redo();
+    session.set_shot("Change samples", &["samples"], &pinwarp::shot::edit::Setting::Whole(7), None);
+    let other = SHOT.replace("samples = 4", "samples = 6 # fewer");
+    fs::write(stage.shot(), &other).expect("written");
+    assert_eq!(session.document_mut().check_disk().expect("a shot"), DiskChange::Conflict(other));
 }

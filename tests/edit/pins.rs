@@ -199,3 +199,28 @@ fn tangents_of_chosen_keys_bend_the_curve() {
     session.free_channel([0, 0], Channel::Scale);
     assert!(pin(&session, 0, 0).keys.iter().all(|key| key.scale.is_none()));
 }
+
+#[test]
+fn a_pin_is_mirrored_once_even_into_another_layer() {
+    let stage = Stage::new();
+    let mut session = stage.session();
+    place_pin(&mut session, at(0.4, 0.5));
+    let follower = "[output]\n";
+    let text = session.document().text().replace(
+        follower,
+        "  [[layer.pin]]\n  name   = \"other\"\n  mirror = { layer = \"left\", pin = \"Left\" }\n  anchor = { screen = [1.2, 0.5], frame = 1 }\n\n[output]\n",
+    );
+    std::fs::write(stage.shot(), &text).expect("written");
+    let mut session = stage.session();
+    session.selection.pins = [[0, 0]].into();
+    session.mirror_pins();
+    assert!(
+        session.message().is_some_and(|text| text.contains("No pin without a mirrored one")),
+        "{:?}",
+        session.message()
+    );
+    assert_eq!(session.document().text(), text);
+    // What is deleted takes its follower along.
+    session.delete_pins();
+    assert_eq!(session.document().shot().layers.iter().map(|layer| layer.pins.len()).collect::<Vec<_>>(), [0, 0]);
+}

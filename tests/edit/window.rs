@@ -159,6 +159,10 @@ fn a_bundled_scene_is_rendered_from_the_window() {
     for frame in 1..=6 {
         assert!(stage.folder.path().join(format!("out/frame.{frame:04}.exr")).is_file());
     }
+    window.get_by_label("Look at the frames").click();
+    window.run_steps(3);
+    let told = session(&window).message().unwrap_or_default().to_owned();
+    assert!(told.contains("lie over the picture"), "{told}");
     let mut start = self::window(&stage.state(), None);
     start.get_by_label("Teapot").click();
     start.run_steps(3);

@@ -3,6 +3,7 @@
 //! In: a shot. Out: frames on disk, progress, a log.
 
 use super::Session;
+use crate::edit::reference::Reference;
 use crate::image::Existing;
 use crate::pipeline::{Event, PreparedShot, RenderOptions, Summary, render};
 use crate::raster::DeviceChoice;
@@ -63,6 +64,22 @@ impl Session {
     pub(crate) fn cancel_render(&self) {
         if let Some(run) = &self.run {
             run.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Lays the frames of the last render over the picture, as the reference.
+    pub fn look_at_render(&mut self) {
+        let frame = self.playhead.frame();
+        let pattern = self.document.shot().output.path.clone();
+        // This frame need not be among those that were rendered.
+        let opened = Reference::open(&pattern, frame).or_else(|_| Reference::open(&pattern, self.playhead.range()[0]));
+        match opened {
+            Ok(mut reference) => {
+                reference.opacity = 1.0;
+                self.reference = Some(reference);
+                self.say("The rendered frames lie over the picture; View, Remove the reference takes them away.");
+            }
+            Err(error) => self.say(error.to_string()),
         }
     }
 

@@ -12,7 +12,16 @@ pub(super) enum Answer {
 }
 
 /// Shows the current or last render. Returns false once closed.
-pub(super) fn render(ctx: &egui::Context, session: &Session) -> bool {
+pub(super) fn render(ctx: &egui::Context, session: &mut Session) -> bool {
+    let mut is_wanted = false;
+    let is_open = run_window(ctx, session, &mut is_wanted);
+    if is_wanted {
+        session.look_at_render();
+    }
+    is_open && !is_wanted
+}
+
+fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> bool {
     let Some(run) = session.run() else { return false };
     let (mut is_open, mut is_closed) = (true, false);
     let window = egui::Window::new("Render").open(&mut is_open).collapsible(true).default_size(vec2(520.0, 320.0));
@@ -31,6 +40,9 @@ pub(super) fn render(ctx: &egui::Context, session: &Session) -> bool {
             if let Some(folder) = run.files.first().and_then(|file| file.parent()) {
                 ui.weak(format!("Frames are in {}", folder.display()));
             }
+            let hint = "Lays the rendered frames over the picture, frame by frame, as the reference";
+            let look = ui.add_enabled(!run.files.is_empty(), egui::Button::new("Look at the frames"));
+            *is_wanted = look.on_hover_text(hint).clicked();
         }
         ui.separator();
         ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).max_height(240.0).show(ui, |ui| {

@@ -265,6 +265,12 @@ impl Editor {
                 session.reload();
                 session.say("The file changed on disk: it was read again. Undo brings back what was here.");
             }
+            Ok(DiskChange::Merged) => {
+                session.reload();
+                session.say(
+                    "The file changed on disk elsewhere: both changes are here now. Undo takes those of the file back.",
+                );
+            }
             Ok(DiskChange::Conflict(text)) => self.conflict = Some(text),
             Err(error) => session.say(format!("The file changed on disk and is no shot any more: {error}")),
         }

@@ -14,7 +14,6 @@ use crate::solve::nearest_barycentric;
 use crate::space::ScreenPoint;
 use crate::spelling::other_side;
 use glam::{DMat3, DVec3};
-use std::collections::HashMap;
 
 /// Fraction of the surface that a plane has to map onto the surface to be used.
 const LEAST_MET: f64 = 0.5;
@@ -33,14 +32,14 @@ pub(in crate::pipeline) fn attach(prepared: &mut PreparedShot) -> Result<(), Pip
         return Ok(());
     }
     let rest = rest_pose(&prepared.scene);
-    let mut planes: HashMap<[usize; 2], Symmetry> = HashMap::new();
     for (place, mirror) in mirrors {
         let layers = [place[0], mirror.layer];
-        let plane = match planes.get(&layers) {
+        // The model at rest and the layers stay the same while pins are edited, and so do the planes.
+        let plane = match prepared.layer_inputs.planes.get(&layers) {
             Some(&plane) => plane,
             None => plane_of(prepared, &rest, place, layers)?,
         };
-        planes.insert(layers, plane);
+        prepared.layer_inputs.planes.insert(layers, plane);
         let task = Task {
             prepared,
             rest: &rest,

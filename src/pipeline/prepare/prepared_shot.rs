@@ -5,6 +5,7 @@ use super::cameras::CameraSource;
 use super::layer_assignment::LayerAssignment;
 use super::reflection::MirroredPin;
 use super::stiffness::{Painted, PartStiffness};
+use super::symmetry::Symmetry;
 use super::transfer::Loaded;
 use crate::image::cryptomatte::MatteHeader;
 use crate::pipeline::draw::passes::mid_shutter;
@@ -19,6 +20,7 @@ use crate::screen::{self, Camera};
 use crate::shot::{Layer, Shot};
 use crate::solve::Link;
 use crate::space::ScreenPoint;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A shot ready to be rendered; everything in it is the same for every frame.
@@ -55,6 +57,8 @@ pub(in crate::pipeline) struct LayerInputs {
     pub(in crate::pipeline) anchors: Vec<Vec<PinAnchor>>,
     /// One per layer and pin: set if the pin takes the keys of another one, mirrored.
     pub(in crate::pipeline) mirrored: Vec<Vec<Option<MirroredPin>>>,
+    /// Planes of symmetry that were found, by the layers of a mirrored pin and of the pin that it follows.
+    pub(in crate::pipeline) planes: HashMap<[usize; 2], Symmetry>,
     /// Stiffness of the layers' triangles.
     pub(in crate::pipeline) stiffness: Painted,
     /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.

@@ -13,6 +13,7 @@ use crate::raster::ChannelGroup;
 use crate::scene::Scene;
 use crate::shot::{BrushStroke, CameraRule, KeyLines, Layer, LayerSpace, Pin, Shot, StiffnessRule};
 use crate::solve::Settings;
+use std::collections::BTreeSet;
 
 /// A loaded shot that is being edited.
 #[derive(Debug)]
@@ -103,6 +104,9 @@ impl OpenShot {
             Rework::Scene => self.prepared = PreparedShot::new(colour_only(shot.clone()))?,
         }
         self.given = shot;
+        // Pins that are attached again give their notes again.
+        let mut known = BTreeSet::new();
+        self.prepared.notes.retain(|note| known.insert(note.clone()));
         Ok(rework)
     }
 
