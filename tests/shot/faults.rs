@@ -148,7 +148,7 @@ fn stiff_parts() {
         ),
         case(["[output]", TWO], (32, "layer[0].stiffness[0]"), &["or two of them", "their values multiply"]),
         case(["[output]", NONE], (34, "layer[0].stiffness[0].value"), &["from 0.001 to 1000"]),
-        case(["[output]", STROKE], (33, "layer[0].stiffness[0].stroke.points"), &["points"]),
+        case(["[output]", STROKE], (34, "layer[0].stiffness[0].stroke.points"), &["points"]),
         case(["[output]", RED], (33, "layer[0].stiffness[0].vertex_color"), &["\"r\""]),
         case(
             ["name   = \"spout\"", "region = { radius = 0.1 }"],
