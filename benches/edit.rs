@@ -234,7 +234,7 @@ fn step(session: &mut Session, edit: usize) {
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let part = PinPart::Stiffness;
     // Every other edit goes back.
-    let far = 0.002 * (edit / 16 % 17) as f64 * if edit / 8 % 2 == 0 { 1.0 } else { -1.0 };
+    let far = 0.002 * (edit / 16 % 17) as f64 * if (edit / 8).is_multiple_of(2) { 1.0 } else { -1.0 };
     match edit % 8 {
         0 | 1 => drag_by(session, far, Held::default()),
         2 => session.undo(),

@@ -26,10 +26,9 @@ impl PreparedShot {
     /// Returns the triangles that face the camera and whose stiffness differs from 1.
     #[must_use]
     pub fn stiff_triangles(&self, sample: &TimeSample) -> Vec<StiffTriangle> {
-        let painted = self.layer_inputs.stiffness.iter().enumerate();
+        let painted = self.layer_inputs.stiffness.iter();
         let stiff = |value: f64| value.ln().abs() > LEAST;
-        let count: usize =
-            painted.clone().flat_map(|(_, parts)| parts.values().flatten()).filter(|&&v| stiff(v)).count();
+        let count: usize = painted.clone().flat_map(|parts| parts.values().flatten()).filter(|&&v| stiff(v)).count();
         let every = count.div_ceil(MAX_TRIANGLES).max(1);
         if count == 0 {
             return Vec::new();
@@ -37,7 +36,7 @@ impl PreparedShot {
         let (mesh, near) = (sample.mesh(), sample.camera.near());
         let warps = sample.warps(&self.assignment, |_| true);
         let mut found = Vec::new();
-        for (&part, stiffness) in painted.flat_map(|(_, parts)| parts) {
+        for (&part, stiffness) in painted.flatten() {
             let (vertices, warp) = (&mesh.parts[part].vertices, &warps[part]);
             let triangles =
                 primitive(&self.scene, &sample.pose.parts[part]).triangles.iter().zip(stiffness).enumerate();
