@@ -61,6 +61,39 @@ fn a_followed_box_always_holds_what_it_follows() {
     }
 }
 
+/// A square under a camera with these keys of distances.
+fn seen_from(keys: &[(i32, f64, &str)]) -> Studio {
+    let key = |(frame, distance, ease): &(i32, f64, &str)| {
+        format!("{{ frame = {frame}, yaw = 20, distance = {distance}, ease = \"{ease}\" }}")
+    };
+    let keys: Vec<String> = keys.iter().map(key).collect();
+    let layer = format!(
+        "camera = {{ look_at = \"Quad\", keys = [{}] }}\n[[layer]]\nlattice = {{ dims = [4, 4] }}\n[[layer.pin]]\n\
+         anchor = {{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }}\n",
+        keys.join(", ")
+    );
+    Studio::tiny(&Tiny::of(vec![square(0.0)]), &layer)
+}
+
+#[test]
+fn a_followed_box_is_not_smoothed_across_a_cut_of_the_camera() {
+    let (near, far) = (seen_from(&[(1, 2.0, "linear")]), seen_from(&[(1, 5.0, "linear")]));
+    let keys = [(1, 2.0, "hold"), (6, 5.0, "linear")];
+    // The same as a move within one frame, as baked cameras have it.
+    let baked = [(1, 2.0, "linear"), (5, 2.0, "linear"), (6, 5.0, "linear")];
+    for cut in [seen_from(&keys), seen_from(&baked)] {
+        for frame in [2.0, 4.0, 5.0] {
+            assert_eq!(box_at(&cut, frame), box_at(&near, frame), "before the cut, frame {frame}");
+        }
+        for frame in [6.0, 7.0, 9.0] {
+            assert_eq!(box_at(&cut, frame), box_at(&far, frame), "after the cut, frame {frame}");
+        }
+    }
+    // A fast move over several frames is not a cut: the box before it already grows.
+    let fast = seen_from(&[(1, 2.0, "linear"), (5, 2.0, "linear"), (8, 5.0, "linear")]);
+    assert_ne!(box_at(&fast, 5.0), box_at(&near, 5.0));
+}
+
 #[test]
 fn pins_follow_an_animated_surface() {
     let studio = studio(square(0.02), "\"follow\"");

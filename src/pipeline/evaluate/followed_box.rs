@@ -58,6 +58,22 @@ impl SmoothingWindow {
         low.saturating_sub(FOLLOW_FRAMES)..=high.saturating_add(FOLLOW_FRAMES)
     }
 
+    /// Returns those of [`Self::frames`] with no cut between them and the frame. A fractional frame is one with the whole frame before it.
+    pub(in crate::pipeline) fn frames_without_cut(
+        self,
+        is_cut_after: impl Fn(i32) -> bool,
+    ) -> std::ops::RangeInclusive<i32> {
+        let (mut first, mut last) = (self.frame.floor() as i32, self.frame.floor() as i32);
+        let (low, high) = self.frames().into_inner();
+        while first > low && !is_cut_after(first - 1) {
+            first -= 1;
+        }
+        while last < high && !is_cut_after(last) {
+            last += 1;
+        }
+        first..=last
+    }
+
     /// Returns the smoothed box: centre and size are tent-weighted means over the neighbours' bounds, padded, and then
     /// extended where needed to contain `now`, the bounds of the frame itself. `None` if neither the frame nor a
     /// neighbour shows anything.

@@ -1,6 +1,7 @@
 //! Cache of values that the frames of a shot share: time samples, bounds, trajectories. Recomputing any of them yields
 //! the same bits.
 
+use super::camera_cuts::CutCache;
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
@@ -16,6 +17,8 @@ pub(in crate::pipeline) struct FrameCache {
     samples: Mutex<VecDeque<Arc<TimeSample>>>,
     /// Bounds of screen layers.
     pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
+    /// Cuts of the camera.
+    pub(in crate::pipeline) camera_cuts: CutCache,
     /// Bounds of world layers.
     pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.

@@ -2,6 +2,7 @@
 //!
 //! In: a [`PreparedShot`], a layer, a pose. Out: the rest box of the layer's lattice.
 
+use super::camera_cuts::is_cut_after;
 use super::followed_box::{Bounds, BoxAxes, SmoothingWindow, thickened, union};
 use super::time_sample::TimeSample;
 use crate::lattice::{BoxFrame, Grid};
@@ -38,7 +39,8 @@ pub(in crate::pipeline) fn screen_box(
             let now = screen_bounds(prepared, index, &sample.pose, &sample.mesh(), &sample.camera);
             let window = SmoothingWindow::new(sample.frame);
             let at = |frame: i32| (frame, screen_bounds_at(prepared, index, frame));
-            let neighbours: Vec<_> = window.frames().map(at).collect();
+            let frames = window.frames_without_cut(|frame| is_cut_after(prepared, frame));
+            let neighbours: Vec<_> = frames.map(at).collect();
             Some(axes.rotated_box(thickened(window.smooth(&neighbours, now)?, MIN_SIDE)))
         }
     }

@@ -3,6 +3,7 @@
 //! In: a [`PreparedShot`] and a (fractional) frame. Out: a [`TimeSample`]. World layers come first, because they deform
 //! the meshes that are projected.
 
+pub(super) mod camera_cuts;
 pub(super) mod followed_box;
 pub(super) mod frame_cache;
 pub(super) mod lattice_box;

@@ -1,0 +1,74 @@
+//! Cuts: frames between which the camera jumps, such as where its keys hold.
+//!
+//! In: a [`PreparedShot`] and a frame. Out: whether a cut follows it. What is smoothed over frames stops there.
+
+use crate::pipeline::PreparedShot;
+use crate::pipeline::prepare::cameras::CameraSource;
+use crate::pose::placed_nodes;
+use crate::space::ScreenVector;
+use glam::{DQuat, DVec2};
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+/// A cut changes the picture of still meshes at least so much.
+const LEAST_CHANGE: f64 = 0.1;
+
+/// A cut changes the picture at least this many times more than the camera's motion before and after it: a fast pan is not a cut.
+const RATIO: f64 = 8.0;
+
+/// Largest change of a mesh that counts; also that of a mesh that gets in front of or behind the camera.
+const LARGEST_CHANGE: f64 = 2.0;
+
+/// A vector over the height of the frame.
+const UP: ScreenVector = ScreenVector(DVec2::Y);
+
+/// Whether a cut follows whole frames, each determined once.
+#[derive(Debug, Default)]
+pub(in crate::pipeline) struct CutCache(Mutex<HashMap<i32, bool>>);
+
+/// Whether the camera jumps between a frame and the next.
+pub(in crate::pipeline) fn is_cut_after(prepared: &PreparedShot, frame: i32) -> bool {
+    let can_move = match prepared.camera {
+        CameraSource::Automatic(_) => false,
+        CameraSource::Node(_) => prepared.clip.clip.is_some(),
+        CameraSource::Own { .. } => prepared.has_moving_camera(),
+    };
+    if !can_move {
+        return false;
+    }
+    let CutCache(cache) = &prepared.cache.camera_cuts;
+    let known = || cache.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(&is_cut) = known().get(&frame) {
+        return is_cut;
+    }
+    let by = picture_change(prepared, frame);
+    let beside = |step: i32| picture_change(prepared, frame.saturating_add(step));
+    let is_cut = by >= LEAST_CHANGE && [-1, 1].into_iter().all(|step| by >= RATIO * beside(step));
+    known().insert(frame, is_cut);
+    is_cut
+}
+
+/// How much the camera's motion from a frame to the next changes the picture of still meshes, on average: the move of their origins in
+/// frame heights, the logarithm of their size, and the rotation of the camera in radians.
+fn picture_change(prepared: &PreparedShot, frame: i32) -> f64 {
+    let [(from, now), (to, _)] = [frame, frame.saturating_add(1)].map(|frame| {
+        let pose = placed_nodes(&prepared.scene, prepared.clip, prepared.shot.frames.seconds(f64::from(frame)));
+        (prepared.camera.at((&prepared.shot, &prepared.scene), f64::from(frame), &pose), pose)
+    });
+    let [a, b] = [&from, &to].map(|camera| DQuat::from_mat4(&camera.scene_from_view()));
+    let rotation = a.angle_between(b);
+    let of_node = |&node: &usize| {
+        let origin = now.scene_from_node[node].w_axis.truncate().as_dvec3();
+        let [a, b] = [&from, &to].map(|camera| {
+            let seen = camera.project_exact(origin);
+            (seen.w > 0.0).then(|| (seen.point().0, camera.scene_from_screen_vector(UP, seen.w).length()))
+        });
+        match (a, b) {
+            (Some((a, size)), Some((b, next))) => (a.distance(b) + (next / size).ln().abs()).min(LARGEST_CHANGE),
+            (None, None) => 0.0,
+            _ => LARGEST_CHANGE,
+        }
+    };
+    let nodes = &prepared.assignment.node_of_part;
+    rotation + nodes.iter().map(of_node).sum::<f64>() / nodes.len().max(1) as f64
+}
