@@ -167,7 +167,7 @@ impl OpenShot {
             return Ok(());
         }
         let prepared = &mut self.prepared;
-        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.frames.first)));
+        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.reference_frame())));
         let parts = (&first.parts[..], &prepared.assignment.parts_of_layer[..]);
         let painted = stiffness::paint(shot, &prepared.scene, parts, &mut prepared.notes)?;
         prepared.layer_inputs.stiffness = painted;
