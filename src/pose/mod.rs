@@ -84,6 +84,12 @@ pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
     }
 }
 
+/// Whether the pose of a scene is the same at all times.
+#[must_use]
+pub(crate) fn is_still(scene: &Scene, choice: ClipChoice) -> bool {
+    choice.clip.and_then(|index| scene.clips.get(index)).is_none_or(|clip| clip.tracks.is_empty())
+}
+
 /// Places the nodes of a scene as [`pose`] does, without its parts and lights.
 #[must_use]
 pub(crate) fn placed_nodes(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {

@@ -81,6 +81,7 @@ pub(in crate::pipeline) fn screen_bounds(
 
 /// Returns the bounds of a layer on the screen at a whole frame; those of all layers are computed together and cached.
 fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<2>> {
+    let frame = prepared.same_view(frame);
     prepared.cache.screen_bounds.at(layer, frame, || {
         let (pose, camera) = prepared.view(f64::from(frame));
         let mesh = screen::project(&pose, &camera);
@@ -140,6 +141,7 @@ fn world_bounds(prepared: &PreparedShot, index: usize, pose: &Pose) -> Option<Bo
 /// Returns the bounds of a world layer at a whole frame, in the frame of its box; those of all layers are computed
 /// together and cached.
 fn world_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<3>> {
+    let frame = prepared.same_view(frame);
     prepared.cache.world_bounds.at(layer, frame, || {
         let (pose, _) = prepared.view(f64::from(frame));
         let is_world = |layer: usize| matches!(prepared.shot.layers[layer].space, LayerSpace::World { .. });

@@ -3,7 +3,7 @@
 //! In: a [`CameraRule`], the scene, and the parts of every layer. Out: the camera at any frame.
 
 use crate::pipeline::PipelineError;
-use crate::pose::{ClipChoice, Pose, pose};
+use crate::pose::{ClipChoice, Pose, is_still, pose};
 use crate::scene::{FindError, Scene};
 use crate::screen::{self, Camera, CameraPlacement};
 use crate::shot::{CameraAim, CameraKey, CameraLens, CameraRule, Ease, LookAt, OwnCamera, Shot, Source};
@@ -140,7 +140,7 @@ impl CameraContext<'_> {
         Ok(CameraSource::Own { camera: OwnCamera { keys: keys.collect::<Result<_, _>>()? }, radius })
     }
 
-    fn resolved(&self, key: &CameraKey, scene: (&[Pose; 3], &[DVec3])) -> Result<CameraKey, PipelineError> {
+    fn resolved(&self, key: &CameraKey, scene: (&[Pose], &[DVec3])) -> Result<CameraKey, PipelineError> {
         let aim = match &key.aim {
             CameraAim::Along { .. } => key.aim.clone(),
             CameraAim::Towards { position, look_at } => {
@@ -162,7 +162,7 @@ impl CameraContext<'_> {
     fn subject(
         &self,
         look_at: &LookAt,
-        (poses, everything): (&[Pose; 3], &[DVec3]),
+        (poses, everything): (&[Pose], &[DVec3]),
     ) -> Result<(DVec3, Vec<DVec3>), PipelineError> {
         let of_points = |points: Vec<DVec3>| {
             let middle = Extent::of(&points).map_or(DVec3::ZERO, |extent| extent.middle);
@@ -202,18 +202,20 @@ impl CameraContext<'_> {
         }
     }
 
-    /// Returns the poses in the first, middle and last frame of the shot.
-    fn poses(&self) -> [Pose; 3] {
+    /// Returns the poses in the first, middle and last frame of the shot; one if they are the same.
+    fn poses(&self) -> Vec<Pose> {
         let (frames, [first, last]) = (self.shot.frames, self.shot.solve_range);
         // Frames that are trimmed within the range that is solved keep their camera.
         let [first, last] = [first.min(frames.first), last.max(frames.last)];
         let times = [first, first.midpoint(last), last];
-        times.map(|frame| pose(self.scene, self.clip, frames.seconds(f64::from(frame))))
+        // A still scene is the same at all times.
+        let count = if is_still(self.scene, self.clip) { 1 } else { times.len() };
+        times[..count].iter().map(|&frame| pose(self.scene, self.clip, frames.seconds(f64::from(frame)))).collect()
     }
 }
 
 /// Returns the vertices of the chosen parts in all poses.
-fn points(poses: &[Pose; 3], is_meant: impl Fn(usize) -> bool) -> Vec<DVec3> {
+fn points(poses: &[Pose], is_meant: impl Fn(usize) -> bool) -> Vec<DVec3> {
     let parts = poses.iter().flat_map(|pose| pose.parts.iter().enumerate());
     let meant = parts.filter(|(part, _)| is_meant(*part));
     meant.flat_map(|(_, part)| part.positions.iter().map(|point| point.0.as_dvec3())).collect()

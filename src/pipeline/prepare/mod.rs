@@ -120,7 +120,8 @@ impl PreparedShot {
             cache: FrameCache::default(),
             trajectory_files: None,
         };
-        let (_, camera) = prepared.view(f64::from(prepared.shot.reference_frame()));
+        let frame = f64::from(prepared.shot.reference_frame());
+        let camera = prepared.camera.at((&prepared.shot, &prepared.scene), frame, &first);
         prepared.draw_inputs.rig = lighting::neutral_rig(&camera);
         if first.lights.is_empty() && first.parts.iter().any(|part| is_lit(&prepared.scene, part)) {
             prepared.notes.push("the scene has no lights: a neutral three-light rig is used".into());

@@ -13,7 +13,7 @@ use crate::pipeline::evaluate::frame_cache::FrameCache;
 use crate::pipeline::pictures::Gallery;
 use crate::pipeline::trajectories::trajectory_files::TrajectoryFiles;
 use crate::pipeline::{PinAnchor, RestPoint};
-use crate::pose::{ClipChoice, Pose, PosedLight, pose};
+use crate::pose::{ClipChoice, Pose, PosedLight, is_still, pose};
 use crate::raster::geometry::Submesh;
 use crate::scene::Scene;
 use crate::screen::{self, Camera};
@@ -89,6 +89,13 @@ impl PreparedShot {
         let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
         let camera = self.camera.at((&self.shot, &self.scene), frame, &pose);
         (pose, camera)
+    }
+
+    /// Returns a frame that shows the scene, before any layer moves it, exactly as the given one does: the first frame if neither
+    /// scene nor camera move.
+    pub(in crate::pipeline) fn same_view(&self, frame: i32) -> i32 {
+        let is_still = is_still(&self.scene, self.clip) && !self.has_moving_camera();
+        if is_still { self.shot.frames.first } else { frame }
     }
 
     /// Returns the camera's node, if the camera is one of the scene's.
