@@ -7,8 +7,7 @@ use crate::pipeline::prepare::cameras::CameraSource;
 use crate::pose::placed_nodes;
 use crate::space::ScreenVector;
 use glam::{DQuat, DVec2};
-use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::PoisonError;
 
 /// A cut changes the picture of still meshes at least so much.
 const LEAST_CHANGE: f64 = 0.1;
@@ -22,10 +21,6 @@ const LARGEST_CHANGE: f64 = 2.0;
 /// A vector over the height of the frame.
 const UP: ScreenVector = ScreenVector(DVec2::Y);
 
-/// Whether a cut follows whole frames, each determined once.
-#[derive(Debug, Default)]
-pub(in crate::pipeline) struct CutCache(Mutex<HashMap<i32, bool>>);
-
 /// Whether the camera jumps between a frame and the next.
 pub(in crate::pipeline) fn is_cut_after(prepared: &PreparedShot, frame: i32) -> bool {
     let can_move = match prepared.camera {
@@ -36,8 +31,7 @@ pub(in crate::pipeline) fn is_cut_after(prepared: &PreparedShot, frame: i32) -> 
     if !can_move {
         return false;
     }
-    let CutCache(cache) = &prepared.cache.camera_cuts;
-    let known = || cache.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = || prepared.cache.cuts.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(&is_cut) = known().get(&frame) {
         return is_cut;
     }

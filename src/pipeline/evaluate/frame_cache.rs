@@ -1,11 +1,10 @@
 //! Cache of values that the frames of a shot share: time samples, bounds, trajectories. Recomputing any of them yields
 //! the same bits.
 
-use super::camera_cuts::CutCache;
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Number of cached samples: a frame, its two neighbours, and the one before.
@@ -17,8 +16,8 @@ pub(in crate::pipeline) struct FrameCache {
     samples: Mutex<VecDeque<Arc<TimeSample>>>,
     /// Bounds of screen layers.
     pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
-    /// Cuts of the camera.
-    pub(in crate::pipeline) camera_cuts: CutCache,
+    /// Whether the camera cuts after a frame.
+    pub(in crate::pipeline) cuts: Mutex<HashMap<i32, bool>>,
     /// Bounds of world layers.
     pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.
