@@ -83,15 +83,16 @@ fn a_followed_box_is_not_smoothed_across_a_cut_of_the_camera() {
     let baked = [(1, 2.0, "linear"), (5, 2.0, "linear"), (6, 5.0, "linear")];
     for cut in [seen_from(&keys), seen_from(&baked)] {
         for frame in [2.0, 4.0, 5.0] {
-            assert_eq!(box_at(&cut, frame), box_at(&near, frame), "before the cut, frame {frame}");
+            assert_box(box_at(&cut, frame), box_at(&near, frame));
         }
         for frame in [6.0, 7.0, 9.0] {
-            assert_eq!(box_at(&cut, frame), box_at(&far, frame), "after the cut, frame {frame}");
+            assert_box(box_at(&cut, frame), box_at(&far, frame));
         }
     }
     // A fast move over several frames is not a cut: the box before it already grows.
     let fast = seen_from(&[(1, 2.0, "linear"), (5, 2.0, "linear"), (8, 5.0, "linear")]);
-    assert_ne!(box_at(&fast, 5.0), box_at(&near, 5.0));
+    let grown = box_at(&fast, 5.0)[0] - box_at(&near, 5.0)[0];
+    assert!(grown.abs() > 1e-3, "{grown}");
 }
 
 #[test]
