@@ -5,7 +5,7 @@ const SHORTEST: f64 = 1e-6;
 
 /// The distance of two states at neighbouring times: the half in which it is greater is halved again, until it is less than `least` or
 /// the times are next to each other.
-pub fn jump<S>(
+pub(crate) fn jump<S>(
     [mut low, mut high]: [(f64, S); 2],
     least: f64,
     state: impl Fn(f64) -> S,
