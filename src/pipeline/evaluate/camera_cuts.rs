@@ -31,15 +31,20 @@ pub(in crate::pipeline) fn is_cut_after(prepared: &PreparedShot, frame: i32) -> 
     if !can_move {
         return false;
     }
-    let known = || prepared.cache.cuts.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(&is_cut) = known().get(&frame) {
-        return is_cut;
+    let by = known_change(prepared, frame);
+    let beside = |step: i32| known_change(prepared, frame.saturating_add(step));
+    by >= LEAST_CHANGE && [-1, 1].into_iter().all(|step| by >= RATIO * beside(step))
+}
+
+/// The same as [`picture_change`], computed once per frame.
+fn known_change(prepared: &PreparedShot, frame: i32) -> f64 {
+    let known = || prepared.cache.picture_changes.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(&change) = known().get(&frame) {
+        return change;
     }
-    let by = picture_change(prepared, frame);
-    let beside = |step: i32| picture_change(prepared, frame.saturating_add(step));
-    let is_cut = by >= LEAST_CHANGE && [-1, 1].into_iter().all(|step| by >= RATIO * beside(step));
-    known().insert(frame, is_cut);
-    is_cut
+    let change = picture_change(prepared, frame);
+    known().insert(frame, change);
+    change
 }
 
 /// How much the camera's motion from a frame to the next changes the picture of still meshes, on average: the move of their origins in

@@ -4,6 +4,7 @@
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
+use crate::pose::Pose;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -16,8 +17,10 @@ pub(in crate::pipeline) struct FrameCache {
     samples: Mutex<VecDeque<Arc<TimeSample>>>,
     /// Bounds of screen layers.
     pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
-    /// Whether the camera cuts after a frame.
-    pub(in crate::pipeline) cuts: Mutex<HashMap<i32, bool>>,
+    /// How much the camera changes the picture from a frame to the next.
+    pub(in crate::pipeline) picture_changes: Mutex<HashMap<i32, f64>>,
+    /// The scene at rest, for what asks for it many times.
+    pub(in crate::pipeline) rest: OnceLock<Pose>,
     /// Bounds of world layers.
     pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.

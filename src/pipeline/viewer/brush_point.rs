@@ -26,7 +26,8 @@ impl PreparedShot {
     #[must_use]
     pub fn brush_point(&self, sample: &TimeSample, at: ScreenPoint) -> Option<BrushPoint> {
         let PickedPoint { node, layer, hit, .. } = self.pick_warped(sample, at)?;
-        let part = &rest_pose(&self.scene).parts[hit.part];
+        let rest = self.cache.rest.get_or_init(|| rest_pose(&self.scene));
+        let part = &rest.parts[hit.part];
         let corners = primitive(&self.scene, part).triangles[hit.triangle];
         let place = |corner: u32| part.positions[corner as usize].0.as_dvec3();
         let rest: DVec3 = corners.iter().zip(hit.barycentric).map(|(&corner, weight)| place(corner) * weight).sum();

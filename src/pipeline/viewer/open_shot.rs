@@ -141,9 +141,9 @@ impl OpenShot {
         let is_scene_still = (0..shot.layers.len()).all(|index| is_same(index) || !is_world(&shot.layers[index]));
         let old = std::mem::take(&mut prepared.cache);
         let mut cache = FrameCache::default();
-        cache.world_bounds = old.world_bounds;
+        (cache.world_bounds, cache.rest) = (old.world_bounds, old.rest);
         if is_scene_still {
-            cache.screen_bounds = old.screen_bounds;
+            (cache.screen_bounds, cache.picture_changes) = (old.screen_bounds, old.picture_changes);
         }
         if is_scene_still && is_time_same(&self.given, shot) {
             old.trajectories.retain(is_same);
