@@ -40,7 +40,9 @@ pub use interchange::bake::BakeTimes;
 pub use interchange::lattice_tracks::lattices;
 pub use interchange::layer_problem::{LayerProblem, layer_problem};
 pub use interchange::registration::{Registration, layer_shape, picture_shape, register};
-pub use plates::{PlateWarp, Silhouette, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
+pub use plates::{
+    PlateWarp, Silhouette, SurfaceMaps, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames,
+};
 pub use prepare::anchors::{PinAnchor, RestPoint};
 pub(crate) use prepare::branch_lattices::lattices_of_file;
 pub use prepare::layer_assignment::LayerAssignment;

@@ -2,11 +2,12 @@
 //!
 //! In: screen lattices. Out: the image of any screen point, the gradient there, and the inverse.
 
-use super::WholeWarp;
 use super::extrapolation::ExtrapolatedLattice;
 use super::flow::Flow;
+use super::surface_field::SurfaceField;
+use super::{SurfacePicture, WholeWarp};
 use crate::lattice::ScreenLattice;
-use crate::space::ScreenPoint;
+use crate::space::{FrameSize, ScreenPoint};
 use glam::{DMat2, DVec2};
 use std::sync::Arc;
 
@@ -37,6 +38,7 @@ pub struct Field {
 enum Part {
     Lattice(ExtrapolatedLattice),
     Flow(Arc<Flow>),
+    Surfaces(Arc<SurfaceField>),
 }
 
 impl Part {
@@ -48,6 +50,7 @@ impl Part {
         match self {
             Self::Lattice(lattice) => lattice.is_at_rest(),
             Self::Flow(flow) => flow.is_at_rest(),
+            Self::Surfaces(surfaces) => surfaces.max_displacement() == 0.0,
         }
     }
 
@@ -59,6 +62,7 @@ impl Part {
         match self {
             Self::Lattice(lattice) => lattice.max_displacement(),
             Self::Flow(flow) => flow.reach(),
+            Self::Surfaces(surfaces) => surfaces.max_displacement(),
         }
     }
 
@@ -66,6 +70,7 @@ impl Part {
         match self {
             Self::Lattice(lattice) => lattice.is_smooth_within(lo, hi),
             Self::Flow(flow) => flow.is_smooth_within(lo, hi),
+            Self::Surfaces(_) => false,
         }
     }
 
@@ -77,6 +82,7 @@ impl Part {
                 (by, DMat2::IDENTITY + slope)
             }
             Self::Flow(flow) => flow.displace(point),
+            Self::Surfaces(surfaces) => surfaces.displace(point),
         }
     }
 }
@@ -106,6 +112,18 @@ impl Field {
     #[must_use]
     pub(crate) fn of_whole(whole: &WholeWarp) -> Self {
         Self { parts: vec![Part::Lattice(whole.extrapolated()), Part::Flow(Arc::clone(whole.flow()))] }
+    }
+
+    /// Returns the warp of surfaces, from their pictures before and after it. It can be applied, but neither undone
+    /// nor concatenated with other fields.
+    #[must_use]
+    pub(crate) fn of_surfaces(pictures: [&SurfacePicture; 2], frame: FrameSize) -> Self {
+        Self { parts: vec![Part::Surfaces(Arc::new(SurfaceField::of(pictures, frame)))] }
+    }
+
+    /// Returns the field of surfaces, if this is one.
+    pub(super) fn surfaces(&self) -> Option<&SurfaceField> {
+        if let [Part::Surfaces(surfaces)] = self.parts.as_slice() { Some(surfaces) } else { None }
     }
 
     /// Concatenates fields: each one warps the result of the previous one.

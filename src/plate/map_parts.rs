@@ -11,34 +11,6 @@ use std::collections::BTreeSet;
 pub(crate) type SharedParts = (Vec<(Field, Coverage)>, Coverage);
 
 impl WarpMap {
-    /// Returns the source of every pixel of the warped picture. A part moves the pixels of which it covers at least
-    /// half; the rest stays. The map is NaN where a part moved away and no other part lies.
-    #[must_use]
-    pub fn backward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
-        let mut map = Self::identity(frame, window);
-        let is_taken = |index: usize| {
-            let pixel = window.pixel_at(index);
-            parts.iter().any(|(_, coverage)| coverage.at(pixel, frame) >= HALF)
-        };
-        (0..window.area()).filter(|&index| is_taken(index)).for_each(|index| map.offsets[index] = [f32::NAN; 2]);
-        let mut folded = BTreeSet::new();
-        for (field, coverage) in parts {
-            let covered = |pixel| coverage.at(pixel, frame);
-            let part = Self::backward_showing(field, (frame, window), covered);
-            let is_shown = |index: usize| {
-                let source = nearest_source(window.pixel_at(index), part.offsets[index]);
-                source.is_some_and(|source| covered(source) >= HALF)
-            };
-            for index in (0..window.area()).filter(|&index| is_shown(index)) {
-                map.offsets[index] = part.offsets[index];
-                folded.remove(&(index as u32));
-            }
-            folded.extend(part.folded_pixels.iter().copied().filter(|&index| is_shown(index as usize)));
-        }
-        map.folded_pixels = folded.into_iter().collect();
-        map
-    }
-
     /// Returns the source of every pixel of a picture whose parts divide it among them, so that nothing of it stays.
     /// Each part moves the pixels of which it has at least half. Pixels that are `covered` by half or more hide what
     /// lies behind them; the others, which may be transparent, show only where nothing else does.
@@ -76,7 +48,7 @@ impl WarpMap {
 
     /// Returns the target of every pixel centre of a picture, moved by the part that covers at least half of it; the rest stays.
     #[must_use]
-    pub fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
+    pub(crate) fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
         let mut map = Self::identity(frame, window);
         let mut folded = BTreeSet::new();
         for (field, coverage) in parts {
@@ -133,17 +105,8 @@ mod tests {
     }
 
     #[test]
-    fn parts_move_by_themselves_and_leave_nothing_behind() {
+    fn parts_go_where_their_own_field_says() {
         let parts = [(shift(4.0), columns(4..12)), (shift(0.0), columns(12..20))];
-        let map = WarpMap::backward_of_parts(&parts, (FRAME, FRAME.window()));
-        let source = |x: i32| map.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
-        let expected = |x: i32| match x {
-            4..8 => None,
-            // The second part stays and lies over the first.
-            8..12 => Some(x - 4),
-            _ => Some(x),
-        };
-        (0..40).for_each(|x| assert_eq!(source(x), expected(x), "{x}"));
         let there = WarpMap::forward_of_parts(&parts, (FRAME, FRAME.window()));
         let target = |x: i32| there.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
         (0..40).for_each(|x| assert_eq!(target(x), Some(if (4..12).contains(&x) { x + 4 } else { x }), "{x}"));

@@ -64,6 +64,9 @@ impl WarpMap {
     /// the picture folds over itself. A matted layer needs them because its transparent front does not hide what lies behind.
     #[must_use]
     pub fn backward_preimages(field: &Field, frame: FrameSize, window: PixelRect) -> Vec<Self> {
+        if let Some(surfaces) = field.surfaces() {
+            return vec![surfaces.backward_over(window)];
+        }
         let (map, folds) = Self::without_folds(field, frame, window);
         let mut maps = vec![map];
         for group in folds.preimages.chunk_by(|a, b| a.pixel == b.pixel) {
@@ -123,6 +126,9 @@ impl WarpMap {
 
     /// As [`Self::forward`], without finding folds.
     pub(super) fn forward_alone(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
+        if let Some(surfaces) = field.surfaces() {
+            return surfaces.forward_over(window);
+        }
         let pixel_field = PixelField { field, frame, direction: Direction::Forward };
         let mut map = Self::identity(frame, window);
         if !(field.is_identity() || window.area() == 0) {

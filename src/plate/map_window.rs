@@ -21,6 +21,9 @@ impl Field {
         if window.area() == 0 || self.is_identity() {
             return window;
         }
+        if let Some(surfaces) = self.surfaces() {
+            return surfaces.warped_window(window);
+        }
         let pixel_field = PixelField { field: self, frame, direction: Direction::Forward };
         let (lo, hi) = (corner(window), corner(window) + extent(window));
         let image = |point: DVec2| point + pixel_field.displace(point).0;

@@ -136,9 +136,9 @@ impl<'a> Displacements<'a> {
     }
 
     /// Returns the displacement in the other frame at any position: Catmull-Rom between pixels, evaluated from the
-    /// field outside the picture.
+    /// field outside the picture and at the outline of surfaces.
     fn there(&self, at: DVec2) -> DVec2 {
-        between(&self.other, at).unwrap_or_else(|| {
+        between(&self.other, at).filter(|offset| offset.is_finite()).unwrap_or_else(|| {
             let frame = self.other.frame;
             let from = frame.screen_from_image(ImagePoint(at));
             let goes = match self.direction {

@@ -61,6 +61,12 @@ impl Shot {
 }
 
 impl Layer {
+    /// Whether anything can move the layer: pins, handles or a transferred lattice.
+    #[must_use]
+    pub(crate) const fn is_moved(&self) -> bool {
+        !self.pins.is_empty() || !self.handles.is_empty() || self.transfer.is_some()
+    }
+
     /// Returns the path of the layer up to a (fractional) frame of a shot with these frames, as [`Shot::pin_path`].
     #[must_use]
     pub(crate) fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {

@@ -220,10 +220,27 @@ fn after_effects_gets_pictures_of_a_layer_alone() {
 }
 
 #[test]
-fn world_layers_have_no_maps() {
-    let world = HEAD.replace("dims = [4, 4]", "space = \"world\", dims = [4, 4, 4]");
-    let bench = Bench::with_shot(&format!("{world}{PIN}{OUTPUT}"));
-    bench.run("export shot.toml --to stmap").says(2, &["is warped in the scene", "there is no map to write"]);
+fn maps_follow_what_is_warped_in_the_scene() {
+    let head =
+        HEAD.replace("dims = [4, 4]", "space = \"world\", dims = [4, 4, 4]").replace("samples = 1", "samples = 16");
+    let bench = Bench::with_shot(&format!("{head}{PIN}{OUTPUT}"));
+    bench
+        .run("export shot.toml --to stmap --layer all")
+        .says(2, &["is warped in the scene", "there is no map to write"]);
+    bench.write("still.toml", format!("{head}{OUTPUT}").as_bytes());
+    bench.run("render shot.toml -o real.####.exr --device cpu --frames 2").says(0, &[]);
+    bench.run("render still.toml -o still.####.exr --device cpu --frames 2").says(0, &[]);
+    let told = bench.run("export shot.toml --to stmap -o st.####.exr").says(0, &[]);
+    assert!(told.stdout.contains("2 frames") && !told.stderr.contains("is warped in the scene"), "{told:?}");
+    bench.run("warp still.####.exr --stmap st.####.exr -o mapped.####.exr --frames 2").says(0, &[]);
+    let [real, still, mapped] = ["real", "still", "mapped"].map(|name| read(&bench, &format!("{name}.0002.exr")));
+    let off =
+        |frame: &Frame| pixels().filter(|&pixel| (at(frame, "A", pixel) - at(&real, "A", pixel)).abs() > 0.25).count();
+    assert!(off(&mapped) < 8 && off(&still) > 50, "{} of {} pixels are off", off(&mapped), off(&still));
+    // Another pin in the scene is another map.
+    bench.write("other.toml", format!("{head}{}{OUTPUT}", PIN.replace("0.1, 0.05", "0.1, 0.06")).as_bytes());
+    let told = bench.run("export other.toml --to stmap -o st.####.exr --resume").says(0, &[]);
+    assert!(told.stdout.contains("2 frames"), "{told:?}");
 }
 
 /// Handles that fold the picture: the nothing on the right comes to lie over the square on the left.

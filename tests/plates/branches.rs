@@ -17,20 +17,20 @@ use tempfile::TempDir;
 
 /// What a plate and the geometry show differently.
 #[derive(Debug, Default, PartialEq)]
-struct Apart {
+pub(super) struct Apart {
     /// Pixels that the geometry covers.
-    covered: usize,
+    pub(super) covered: usize,
     /// Pixels of which only one has something: what the plate does not know.
-    holes: usize,
+    pub(super) holes: usize,
     /// Pixels that both cover, with colour that differs by more than a tenth.
-    off: usize,
+    pub(super) off: usize,
     /// Pixels inside that a seam makes transparent.
-    seams: usize,
+    pub(super) seams: usize,
     /// Pixels that both cover, with vectors that differ by more than half a pixel.
-    vectors: usize,
+    pub(super) vectors: usize,
 }
 
-fn apart(plate: &Frame, geometry: &Frame) -> Apart {
+pub(super) fn apart(plate: &Frame, geometry: &Frame) -> Apart {
     let (width, height) = (geometry.display.width as i32, geometry.display.height as i32);
     let mut found = Apart::default();
     let has_vectors = geometry.channel("forward.u").is_some();
@@ -56,7 +56,7 @@ fn apart(plate: &Frame, geometry: &Frame) -> Apart {
 }
 
 /// What differs in each frame.
-fn check(shot: &Shot) -> Vec<Apart> {
+pub(super) fn check(shot: &Shot) -> Vec<Apart> {
     let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
     let expected = rendered(shot.clone(), geometry.path());
     rendered(still(shot), plates.path());
@@ -82,7 +82,7 @@ fn a_drawing_as_a_plate_goes_where_the_drawing_goes() {
 }
 
 /// The plates of a folder, warped by what was written for the same shot.
-fn warped_by(warp: PlateWarp, folder: &Path) -> Vec<Frame> {
+pub(super) fn warped_by(warp: PlateWarp, folder: &Path) -> Vec<Frame> {
     let job = WarpJob {
         plate: folder.join("f.####.exr"),
         output: folder.join("w.####.exr"),

@@ -6,3 +6,4 @@ mod assets;
 mod agreement;
 mod branches;
 mod real;
+mod shared;

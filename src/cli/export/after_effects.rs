@@ -29,8 +29,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
             "-o {stem}: this export writes several sequences; give the start of their names, without a frame counter"
         );
     }
-    let (maps, prepared) = Maps::open(args)?;
-    let maps = maps.by_layer();
+    let (maps, prepared) = Maps::open_layers(args)?;
     // All outputs are checked before any is written.
     let warps =
         maps.iter().map(|(name, maps)| Displacement::of(args, &named(&stem, name), (maps, prepared.as_deref())));
@@ -74,12 +73,12 @@ struct Displacement<'a> {
 impl<'a> Displacement<'a> {
     /// Prepares a layer's maps; fails if an output may not be written.
     fn of(args: &ExportArgs, stem: &Path, (maps, prepared): (&'a Maps, Option<&PreparedShot>)) -> anyhow::Result<Self> {
-        let frames = maps.frames();
+        let frames = &maps.frames;
         // All frames share one scale, so the largest displacement of all frames must be known first.
-        let mut silhouette = prepared.map(|prepared| maps.silhouette(prepared));
+        let mut drawings = prepared.map(|prepared| maps.drawings(prepared)).transpose()?;
         let mut farthest = 0.0_f64;
-        for &frame in &frames {
-            farthest = farthest.max(greatest_offset(&maps.map(frame, silhouette.as_mut())?));
+        for &frame in frames {
+            farthest = farthest.max(greatest_offset(&maps.map(frame, drawings.as_mut())?));
         }
         let reach_px = farthest.ceil().max(1.0) as u32;
         if reach_px > MAX_PX {
@@ -96,16 +95,16 @@ impl<'a> Displacement<'a> {
         };
         let note_path = with_ending(stem, ".after-effects.txt");
         outputs::allow_text(&maps.inputs, (&note_path, &note.text()), args.existing)?;
-        let sequence = check_frames(args, (&pattern, &maps.inputs), &frames)?;
+        let sequence = check_frames(args, (&pattern, &maps.inputs), frames)?;
         Ok(Self { maps, pattern, sequence, note, note_path })
     }
 
     fn write(&self, args: &ExportArgs, prepared: Option<&PreparedShot>) -> anyhow::Result<()> {
-        let mut silhouette = prepared.map(|prepared| self.maps.silhouette(prepared));
+        let mut drawings = prepared.map(|prepared| self.maps.drawings(prepared)).transpose()?;
         let Self { maps, pattern, sequence, note, note_path } = self;
         let reach = f64::from(note.reach_px);
         let written = write_frames(args, (maps, sequence), |path, metadata| {
-            let map = maps.map(metadata.frame, silhouette.as_mut())?;
+            let map = maps.map(metadata.frame, drawings.as_mut())?;
             if let Some(note) = maps.fold_note(metadata.frame, &map) {
                 writeln!(io::stderr(), "warning: {note}")?;
             }

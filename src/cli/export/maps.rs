@@ -8,7 +8,8 @@ use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePath, check_kept};
 use crate::lattice::Lattice;
 use crate::pipeline::{
-    PreparedShot, Silhouette, Todo, digest_with, fields_of, lattices_of_file, parts_of_file, refuse_existing,
+    PreparedShot, Silhouette, SurfaceMaps, Todo, digest_with, fields_of, lattices_of_file, parts_of_file,
+    refuse_existing,
 };
 use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
@@ -25,18 +26,21 @@ const DEFAULT_HEIGHT: f64 = 1080.0;
 /// The device recorded in the maps.
 const DEVICE: &str = "CPU";
 
+/// The shot that maps are made from; `None` for lattice files.
+type MaybePrepared = Option<Box<PreparedShot>>;
+
 /// The maps of a shot or of a lattice file.
 pub(super) struct Maps {
     /// The lattices, screen space only.
     pub(super) lattices: LatticeFile,
+    /// The frames with a warp, in increasing order.
+    pub(super) frames: Vec<i32>,
     /// The display window.
     pub(super) size: FrameSize,
     /// The pixels that the maps cover.
     window: PixelRect,
     direction: Direction,
-    extrapolation: Extrapolation,
-    /// The indices of the layers in the shot, if each moves its own nodes; `None` if each bends the whole picture.
-    parts: Option<Vec<usize>>,
+    scope: Scope,
     /// Digest of the contents of the shot's files, whose surfaces affect the maps; empty for lattice files.
     contents: String,
     /// Files that must not be overwritten.
@@ -52,23 +56,76 @@ enum Direction {
     Forward,
 }
 
-/// The displacement outside the boxes.
+/// What moves with the layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Extrapolation {
-    /// Fades out, for a whole picture.
+enum Scope {
+    /// The whole picture: each layer bends all of it, and its displacement fades out outside its box.
     Picture,
-    /// Continues, for a single layer.
+    /// A single layer by itself: its displacement continues outside its box.
     Layer,
+    /// The surfaces of the scene: each pixel follows the surface that it shows.
+    Surfaces,
+}
+
+/// What the maps of a shot are made from, beside its lattices.
+pub(super) enum Drawings<'a> {
+    /// Where the unwarped picture is transparent.
+    Silhouette(Box<Silhouette<'a>>),
+    /// The scene before and after the warp.
+    Surfaces(Box<SurfaceMaps<'a>>),
 }
 
 impl Maps {
     /// Solves or reads the lattices; also returns the shot, if they come from one.
-    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, Option<Box<PreparedShot>>)> {
+    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, MaybePrepared)> {
         let source = Source::open(args)?;
         let inputs = source.inputs(args)?;
-        let (mut lattices, prepared) = source.lattices(args)?;
-        keep_screen_layers(&mut lattices, args)?;
-        let size = match (args.size, prepared.as_ref().map(|prepared| prepared.shot.size)) {
+        let (lattices, prepared) = source.lattices(args)?;
+        let scope = match &prepared {
+            _ if args.layer.is_some() => Scope::Layer,
+            Some(prepared) if moves_surfaces(&lattices, prepared) => Scope::Surfaces,
+            _ => Scope::Picture,
+        };
+        let maps = Self::of(args, (lattices, prepared.as_deref()), (scope, inputs))?;
+        if scope == Scope::Picture && maps.lattices.layers.len() > 1 {
+            let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
+            writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
+        }
+        Ok((maps, prepared))
+    }
+
+    /// Same as [`Self::open`], but with one set of maps for each layer on the screen, for elements with mattes.
+    pub(super) fn open_layers(args: &ExportArgs) -> anyhow::Result<(Vec<(String, Self)>, MaybePrepared)> {
+        let source = Source::open(args)?;
+        let inputs = source.inputs(args)?;
+        let (lattices, prepared) = source.lattices(args)?;
+        let maps = Self::of(args, (lattices, prepared.as_deref()), (Scope::Layer, inputs))?;
+        if let Some(prepared) = prepared.as_deref() {
+            let layers = maps.lattices.layers.iter().filter_map(|layer| prepared.shot.layer_index(&layer.name));
+            let note = prepared.note_on_shared(&layers.collect::<Vec<_>>());
+            note.map_or(Ok(()), |note| writeln!(io::stderr(), "note: {note}"))?;
+        }
+        Ok((maps.by_layer(), prepared))
+    }
+
+    fn of(
+        args: &ExportArgs,
+        (mut lattices, prepared): (LatticeFile, Option<&PreparedShot>),
+        (scope, inputs): (Scope, Inputs),
+    ) -> anyhow::Result<Self> {
+        let mut contents = prepared.map(PreparedShot::contents_digest).unwrap_or_default();
+        let mut frames = frames_of(&lattices);
+        if let (Scope::Surfaces, Some(prepared)) = (scope, prepared) {
+            if lattices.layers.iter().any(|layer| screen(layer).is_none()) {
+                // The digest of a frame covers the lattices on the screen only.
+                contents = digest_with(&contents, &prepared.shot.hash());
+            }
+            lattices.layers.retain(|layer| screen(layer).is_some());
+        } else {
+            keep_screen_layers(&mut lattices, args)?;
+            frames = frames_of(&lattices);
+        }
+        let size = match (args.size, prepared.map(|prepared| prepared.shot.size)) {
             (Some([width, height]), _) => {
                 FrameSize { width, height, pixel_aspect: lattices.frame_aspect * f64::from(height) / f64::from(width) }
             }
@@ -80,59 +137,17 @@ impl Maps {
         let size = squared(size);
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
-        let extrapolation = if args.layer.is_some() { Extrapolation::Layer } else { Extrapolation::Picture };
-        let parts = prepared
-            .as_deref()
-            .filter(|_| extrapolation == Extrapolation::Picture)
-            .and_then(|prepared| parts_of(&lattices, prepared));
-        if extrapolation == Extrapolation::Picture && parts.is_none() && lattices.layers.len() > 1 {
-            let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
-            writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
-        }
-        if let (Some(prepared), [only], None) = (&prepared, lattices.layers.as_slice(), &parts)
-            && prepared.shot.layer_index(&only.name).is_some_and(|layer| prepared.moves_own_nodes(layer))
-        {
-            let remedy = "apply it to an element that shows nothing else";
-            writeln!(
-                io::stderr(),
-                "note: layer '{}' moves its own nodes, but a map bends the whole picture: {remedy}",
-                only.name
-            )?;
-        }
-        if let (Some(prepared), Some(layers)) = (prepared.as_deref(), &parts) {
-            prepared.note_on_shared(layers).map_or(Ok(()), |note| writeln!(io::stderr(), "note: {note}"))?;
-        }
-        let contents = prepared.as_deref().map(PreparedShot::contents_digest).unwrap_or_default();
-        Ok((Self { lattices, size, window, direction, extrapolation, parts, contents, inputs }, prepared))
+        Ok(Self { lattices, frames, size, window, direction, scope, contents, inputs })
     }
 
-    /// Splits into one set of maps per layer, for elements with mattes.
-    pub(super) fn by_layer(self) -> Vec<(String, Self)> {
-        let Self {
-            lattices: LatticeFile { frame_aspect, rate, layers },
-            size,
-            window,
-            direction,
-            inputs,
-            contents,
-            ..
-        } = self;
+    /// Splits into one set of maps per layer.
+    fn by_layer(self) -> Vec<(String, Self)> {
+        let Self { lattices: LatticeFile { frame_aspect, rate, layers }, size, window, direction, scope, .. } = self;
         let alone = |layer: LatticeTrack| {
-            let (name, inputs, contents) = (layer.name.clone(), inputs.clone(), contents.clone());
+            let (name, inputs, contents) = (layer.name.clone(), self.inputs.clone(), self.contents.clone());
             let lattices = LatticeFile { frame_aspect, rate, layers: vec![layer] };
-            (
-                name,
-                Self {
-                    lattices,
-                    size,
-                    window,
-                    direction,
-                    extrapolation: Extrapolation::Layer,
-                    parts: None,
-                    contents,
-                    inputs,
-                },
-            )
+            let frames = frames_of(&lattices);
+            (name, Self { lattices, frames, size, window, direction, scope, contents, inputs })
         };
         layers.into_iter().map(alone).collect()
     }
@@ -142,26 +157,16 @@ impl Maps {
         [self.window.width, self.window.height]
     }
 
-    /// Returns the frames with a warp, in increasing order.
-    pub(super) fn frames(&self) -> Vec<i32> {
-        let of_layer = |layer: &LatticeTrack| screen(layer).map(|track| track.keys().copied().collect::<Vec<_>>());
-        let all: BTreeSet<i32> = self.lattices.layers.iter().filter_map(of_layer).flatten().collect();
-        all.into_iter().collect()
-    }
-
     /// Returns a digest of everything that affects the map of a frame.
     pub(super) fn digest(&self, frame: i32) -> String {
-        let Self { lattices, size, window, direction, extrapolation, parts, contents, inputs: _ } = self;
+        let Self { lattices, frames: _, size, window, direction, scope, contents, inputs: _ } = self;
         let of_frame = |layer: &LatticeTrack| {
             let (own, whole) = (screen(layer).map(|track| track.get(&frame)), layer.wholes.get(&frame));
             let branches = layer.branches_at(frame).map(|branches| format!("{branches:?}")).unwrap_or_default();
             format!("{} {own:?} {whole:?}{branches}", layer.name)
         };
         let lattices: Vec<String> = lattices.layers.iter().map(of_frame).collect();
-        digest_with(
-            &digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {extrapolation:?} {parts:?}")),
-            contents,
-        )
+        digest_with(&digest(&format!("{lattices:?} {size:?} {window:?} {direction:?} {scope:?}")), contents)
     }
 
     /// Returns the metadata of a frame's file.
@@ -177,31 +182,22 @@ impl Maps {
 
     /// Computes the map of a frame: all layers, composed one after the other in the order of the shot. Where the warp
     /// folds, pixels outside the silhouette do not hide pixels inside it.
-    pub(super) fn map(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
+    pub(super) fn map(&self, frame: i32, drawings: Option<&mut Drawings>) -> anyhow::Result<WarpMap> {
+        let silhouette = match (drawings, self.direction) {
+            (Some(Drawings::Surfaces(surfaces)), Direction::Backward) => return Ok(surfaces.backward(frame)?),
+            (Some(Drawings::Surfaces(surfaces)), Direction::Forward) => return Ok(surfaces.forward(frame)?),
+            (Some(Drawings::Silhouette(silhouette)), _) => Some(&mut **silhouette),
+            (None, _) => None,
+        };
         if self.lattices.layers.iter().any(|layer| layer.branches_at(frame).is_some()) {
             return self.map_of_branches(frame, silhouette);
-        }
-        if let (Some(layers), Some(silhouette)) = (&self.parts, silhouette.as_deref_mut())
-            && let Some(coverage) = silhouette.of_layers(frame, layers)?
-        {
-            let of_layer = |layer: &LatticeTrack| screen(layer)?.get(&frame).cloned();
-            let fields = self.lattices.layers.iter().map(of_layer).map(|lattice| lattice.map(Field::of_layer));
-            let fields = fields.map(|field| field.unwrap_or_else(Field::identity));
-            let (parts, place) = (fields.zip(coverage).collect::<Vec<_>>(), (self.size, self.window));
-            return Ok(match self.direction {
-                Direction::Backward => WarpMap::backward_of_parts(&parts, place),
-                Direction::Forward => WarpMap::forward_of_parts(&parts, place),
-            });
         }
         let field = |layer: &LatticeTrack| {
             if let Some(whole) = layer.wholes.get(&frame) {
                 return Some(Field::of_whole(whole));
             }
             let lattice = screen(layer)?.get(&frame)?.clone();
-            Some(match self.extrapolation {
-                Extrapolation::Picture => Field::of_picture(lattice),
-                Extrapolation::Layer => Field::of_layer(lattice),
-            })
+            Some(if self.scope == Scope::Layer { Field::of_layer(lattice) } else { Field::of_picture(lattice) })
         };
         let field = Field::chain(self.lattices.layers.iter().filter_map(field).collect());
         let map = match self.direction {
@@ -216,67 +212,52 @@ impl Maps {
         Ok(WarpMap::backward_showing(&field, (self.size, self.window), covered))
     }
 
-    /// As [`Self::map`], for lattices with branches: each pixel follows the branch that covers most of it.
-    fn map_of_branches(&self, frame: i32, mut silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
-        let layers = &self.lattices.layers;
-        let covered = match (&self.parts, silhouette.as_deref_mut()) {
-            (Some(layers), Some(silhouette)) => silhouette.of_layers(frame, layers)?,
-            _ => None,
-        };
-        if covered.is_none() && layers.len() > 1 {
+    /// As [`Self::map`], for the only layer if its lattice branches: each pixel follows the branch that covers most of it.
+    fn map_of_branches(&self, frame: i32, silhouette: Option<&mut Silhouette>) -> anyhow::Result<WarpMap> {
+        let [layer] = self.lattices.layers.as_slice() else {
             bail!(
                 "some layers have branching lattices, and a lattice file does not store which pixels each layer moves; \
                  export one layer at a time (--layer)"
             );
-        }
-        let mut parts = Vec::new();
+        };
+        let parts = match silhouette {
+            Some(silhouette) => silhouette.branches(frame, (&layer.name, self.size))?,
+            None => branches_of_track(layer, frame, self.size),
+        };
         let place = (self.size, self.window);
-        for (index, layer) in layers.iter().enumerate() {
-            let own = match silhouette.as_deref() {
-                Some(silhouette) => silhouette.branches(frame, (&layer.name, self.size))?,
-                None => branches_of_track(layer, frame, self.size),
-            };
-            match (own, &covered) {
-                (Some((own, shape)), None) => {
-                    return Ok(match self.direction {
-                        Direction::Backward => WarpMap::backward_of_shares(&own, &shape, place),
-                        Direction::Forward => WarpMap::forward_of_parts(&own, place),
-                    });
-                }
-                (Some((own, _)), Some(covered)) => {
-                    parts.extend(own.into_iter().map(|(field, share)| (field, share.within(&covered[index]))));
-                }
-                (None, covered) => {
-                    let lattice = screen(layer).and_then(|track| track.get(&frame)).cloned();
-                    let field = lattice.map_or_else(Field::identity, Field::of_layer);
-                    parts.extend(covered.as_ref().map(|covered| (field, covered[index].clone())));
-                }
-            }
-        }
+        let Some((parts, shape)) = parts else { return Ok(WarpMap::identity(self.size, self.window)) };
         Ok(match self.direction {
-            Direction::Backward => WarpMap::backward_of_parts(&parts, place),
+            Direction::Backward => WarpMap::backward_of_shares(&parts, &shape, place),
             Direction::Forward => WarpMap::forward_of_parts(&parts, place),
         })
     }
 
-    /// Returns the visibility of the shot's unwarped picture, restricted to one layer if the maps are.
-    pub(super) fn silhouette<'a>(&self, prepared: &'a PreparedShot) -> Silhouette<'a> {
-        let only = match (self.extrapolation, &self.lattices.layers[..]) {
-            (Extrapolation::Layer, [only]) => Some(only.name.as_str()),
+    /// Prepares what the maps of a shot need: its scene before and after the warp, or else the silhouette of its
+    /// unwarped picture, restricted to one layer if the maps are.
+    pub(super) fn drawings<'a>(&self, prepared: &'a PreparedShot) -> anyhow::Result<Drawings<'a>> {
+        if self.scope == Scope::Surfaces {
+            let maps = SurfaceMaps::new(prepared, (self.size, self.window))?;
+            return Ok(Drawings::Surfaces(Box::new(maps)));
+        }
+        let only = match (self.scope, &self.lattices.layers[..]) {
+            (Scope::Layer, [only]) => Some(only.name.as_str()),
             _ => None,
         };
-        Silhouette::of(prepared, only)
+        Ok(Drawings::Silhouette(Box::new(Silhouette::of(prepared, only))))
     }
 
     /// Describes the folds of a frame's map; `None` if there are none.
     pub(super) fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
         let pixels = pluralised(map.folded_pixels.len(), "pixel", "pixels");
         let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
-        let layers =
-            if let [only] = &names[..] { format!("layer {only}") } else { format!("layers {}", names.join(", ")) };
+        let layers = match &names[..] {
+            [] => "the scene".to_owned(),
+            [only] => format!("layer {only}"),
+            _ => format!("layers {}", names.join(", ")),
+        };
         let remedy = if self.direction == Direction::Forward {
             "the warp cannot be undone there"
-        } else if names.len() == 1 {
+        } else if names.len() <= 1 {
             "a map shows one part only; move the layer's pins less far, or hold what folds with more pins"
         } else {
             "a map shows one part only; move pins less far, hold what folds with more pins, or export one layer (--layer)"
@@ -286,14 +267,26 @@ impl Maps {
     }
 }
 
-/// Returns the layers of the shot that the lattices belong to, if there are several, or one with branches, and each
-/// moves its own nodes.
-fn parts_of(lattices: &LatticeFile, prepared: &PreparedShot) -> Option<Vec<usize>> {
-    let of_track =
-        |track: &LatticeTrack| prepared.shot.layer_index(&track.name).filter(|&layer| prepared.moves_own_nodes(layer));
-    let layers: Option<Vec<usize>> = lattices.layers.iter().map(of_track).collect();
-    let has_branches = lattices.has_branches();
-    layers.filter(|layers| layers.len() > 1 || has_branches)
+/// Whether the layers move surfaces of the shot's scene, rather than whole pictures: each layer on the screen moves its
+/// own nodes. Layers in the scene always do.
+fn moves_surfaces(lattices: &LatticeFile, prepared: &PreparedShot) -> bool {
+    let moves_own_nodes = |track: &LatticeTrack| {
+        screen(track).is_none()
+            || prepared.shot.layer_index(&track.name).is_some_and(|layer| prepared.moves_own_nodes(layer))
+    };
+    !lattices.layers.is_empty() && lattices.layers.iter().all(moves_own_nodes)
+}
+
+/// Returns the frames for which any layer has a lattice, in increasing order.
+fn frames_of(lattices: &LatticeFile) -> Vec<i32> {
+    let of_layer = |layer: &LatticeTrack| -> Vec<i32> {
+        match &layer.track {
+            Track::Screen(lattices) => lattices.keys().copied().collect(),
+            Track::World(lattices) => lattices.keys().copied().collect(),
+        }
+    };
+    let all: BTreeSet<i32> = lattices.layers.iter().flat_map(of_layer).collect();
+    all.into_iter().collect()
 }
 
 /// Returns the branches stored in a file's track, for lattices without a shot.
@@ -369,7 +362,7 @@ pub(super) fn write_frames(
 ) -> anyhow::Result<Written> {
     let existing = Existing::from(args.existing);
     let depth = if existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
-    let todo = Todo::of(maps.frames(), sequence, existing, |frame| {
+    let todo = Todo::of(maps.frames.clone(), sequence, existing, |frame| {
         let expected = Expected { frame, shot_hash: &maps.digest(frame), size: None, device: DEVICE };
         check_kept(&sequence.path_of(frame), &expected, depth)
     });

@@ -15,7 +15,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "nk")?;
     let (maps, prepared) = Maps::open(args)?;
     let pattern = output.with_extension("stmap.####.exr");
-    let frames = maps.frames();
+    let frames = &maps.frames;
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
     let name = pattern.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let text = script(&NukeScene { lattices: &maps.lattices, stmap: name, frames: ends, size: maps.size });

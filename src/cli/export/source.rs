@@ -94,9 +94,7 @@ pub(super) fn output(args: &ExportArgs, ending: &str) -> anyhow::Result<PathBuf>
 /// Returns the layers with a displacement, in the shot's order.
 pub(super) fn moved_layers(prepared: &PreparedShot) -> Vec<usize> {
     let layers = prepared.shot.layers.iter().enumerate();
-    let is_moved =
-        |layer: &crate::shot::Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
-    layers.filter(|(_, layer)| is_moved(layer)).map(|(index, _)| index).collect()
+    layers.filter(|(_, layer)| layer.is_moved()).map(|(index, _)| index).collect()
 }
 
 /// Returns whether a layer is warped in screen space.

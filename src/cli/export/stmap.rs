@@ -24,11 +24,10 @@ pub(super) fn write(
     (maps, prepared): (&Maps, Option<&PreparedShot>),
     pattern: &Path,
 ) -> anyhow::Result<Written> {
-    let mut silhouette = prepared.map(|prepared| maps.silhouette(prepared));
-    let frames = maps.frames();
-    let sequence = check_frames(args, (pattern, &maps.inputs), &frames)?;
+    let mut drawings = prepared.map(|prepared| maps.drawings(prepared)).transpose()?;
+    let sequence = check_frames(args, (pattern, &maps.inputs), &maps.frames)?;
     write_frames(args, (maps, &sequence), |path, metadata| {
-        let map = maps.map(metadata.frame, silhouette.as_mut())?;
+        let map = maps.map(metadata.frame, drawings.as_mut())?;
         if let Some(note) = maps.fold_note(metadata.frame, &map) {
             writeln!(io::stderr(), "warning: {note}")?;
         }

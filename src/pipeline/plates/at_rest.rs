@@ -68,7 +68,8 @@ impl<'a> SceneAtRest<'a> {
         Ok((drawn?, metadata))
     }
 
-    fn opened(&self, size: FrameSize) -> Result<(Box<dyn Raster + Send>, PreparedShot), PipelineError> {
+    /// Opens the raster, and prepares the shot for a frame size.
+    pub(super) fn opened(&self, size: FrameSize) -> Result<(Box<dyn Raster + Send>, PreparedShot), PipelineError> {
         let mut prepared = PreparedShot::with_scene(Shot { size, ..self.shot.clone() }, self.scene.clone())?;
         prepared.draw_inputs.hidden_layers.clone_from(&self.hidden);
         Ok((raster::open(self.device, &prepared.scene)?.0, prepared))

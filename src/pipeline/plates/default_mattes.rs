@@ -41,8 +41,7 @@ impl PreparedShot {
     /// surroundings.
     pub(crate) fn moves_own_nodes(&self, layer: usize) -> bool {
         let settings = &self.shot.layers[layer];
-        let is_moved = !settings.pins.is_empty() || !settings.handles.is_empty() || settings.transfer.is_some();
-        is_moved
+        settings.is_moved()
             && matches!(self.shot.source, Source::Scene(_))
             && matches!(settings.space, LayerSpace::Screen { .. })
             && settings.matte.is_none()
@@ -52,7 +51,7 @@ impl PreparedShot {
                 || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
     }
 
-    /// Returns a note on layers that share a mesh: a plate, or a map for one, is cut along their border.
+    /// Returns a note on layers that share a mesh: a plate, or the map of one layer, is cut along their border.
     pub(crate) fn note_on_shared(&self, layers: &[usize]) -> Option<String> {
         let shared: Vec<String> = layers
             .iter()
@@ -61,8 +60,8 @@ impl PreparedShot {
             .collect();
         (!shared.is_empty()).then(|| {
             format!(
-                "{}: each moves part of a mesh; a plate or map is cut where they meet parts that move differently, and a seam may open \
-                 there (`render` blends them): look at the border, or let one layer move the mesh",
+                "{}: each moves part of a mesh; where they meet parts that move differently the picture is cut, and a seam may open: \
+                 look at the border, or warp by the STMap of all layers (`export --to stmap`), which blends them as `render` does",
                 shared.join(", ")
             )
         })

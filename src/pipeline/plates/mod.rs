@@ -14,12 +14,15 @@ mod headers;
 mod job;
 mod plan;
 mod read;
+mod shared_meshes;
 mod silhouette;
 mod stage;
+mod surface_maps;
 mod write;
 
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
 pub use silhouette::Silhouette;
+pub use surface_maps::SurfaceMaps;
 
 use crate::pipeline::PipelineError;
 use crate::pipeline::run::resume::Todo;

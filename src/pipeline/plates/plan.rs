@@ -3,6 +3,7 @@
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
 use super::headers::{self, Sources};
+use super::shared_meshes::SharedMeshes;
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{
@@ -50,7 +51,9 @@ impl Plan {
         check_matte(job, &layers)?;
         check_mattes_differ(job, &layers)?;
         notes.extend(note_unmatted(job, &layers));
-        if let PlateWarp::Shot(prepared) = &job.warp {
+        if let PlateWarp::Shot(prepared) = &job.warp
+            && SharedMeshes::of(prepared, &job.device, &layers).is_none()
+        {
             notes.extend(prepared.note_on_shared(&layers));
         }
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;

@@ -48,17 +48,6 @@ impl<'a> Silhouette<'a> {
         Ok(self.of_plate(frame))
     }
 
-    /// Returns the coverage of each of these layers of a scene by itself; `None` if nothing of the scene is in the frame.
-    ///
-    /// # Errors
-    /// [`PipelineError`] if the scene cannot be drawn.
-    pub fn of_layers(&mut self, frame: i32, layers: &[usize]) -> Result<Option<Vec<Coverage>>, PipelineError> {
-        let size = self.prepared.shot.size;
-        let Some(scene) = &mut self.scene else { return Ok(None) };
-        let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
-        Ok(layers.iter().map(|&layer| of_render(&drawn, size, Some(layer))).collect())
-    }
-
     /// Returns the branches of a layer at a frame's own time, from back to front: their fields and their shares of the
     /// unwarped picture, and the coverage of the whole layer. `None` if its lattice does not branch.
     ///

@@ -7,6 +7,7 @@ use super::fill::Filler;
 use super::headers::check_shape;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
+use super::shared_meshes::SharedMeshes;
 use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
 use crate::export::{LatticeTrack, Track, lattice_at};
@@ -26,6 +27,7 @@ pub(super) struct Stage<'a> {
     plan: &'a Plan,
     filler: Option<Filler<'a>>,
     default_mattes: Option<DefaultMattes<'a>>,
+    shared_meshes: Option<SharedMeshes<'a>>,
     warper: Warper,
 }
 
@@ -75,13 +77,14 @@ impl<'a> Stage<'a> {
             }
             _ => None,
         };
-        let default_mattes = match (&job.warp, job.direction) {
-            (PlateWarp::Shot(prepared), WarpDirection::Forward) => {
-                DefaultMattes::of(prepared, &job.device, &plan.layers)
-            }
-            _ => None,
-        };
-        Self { job, plan, filler, default_mattes, warper }
+        let (mut default_mattes, mut shared_meshes) = (None, None);
+        if let (PlateWarp::Shot(prepared), WarpDirection::Forward) = (&job.warp, job.direction) {
+            shared_meshes = SharedMeshes::of(prepared, &job.device, &plan.layers);
+            let shared = shared_meshes.as_ref().map_or(&[][..], SharedMeshes::layers);
+            let own: Vec<usize> = plan.layers.iter().filter(|layer| !shared.contains(layer)).copied().collect();
+            default_mattes = DefaultMattes::of(prepared, &job.device, &own);
+        }
+        Self { job, plan, filler, default_mattes, shared_meshes, warper }
     }
 
     /// Warps all plates that arrive.
@@ -139,7 +142,14 @@ impl<'a> Stage<'a> {
             _ => FoundMattes::default(),
         };
         let mut layers = Vec::with_capacity(moved.len());
+        let mut is_blended = false;
         for moved in moved {
+            if let Some(meshes) = self.shared_meshes.as_mut().filter(|meshes| meshes.layers().contains(&moved.layer)) {
+                if !std::mem::replace(&mut is_blended, true) {
+                    layers.push(meshes.job(frame, (plate, &settings))?);
+                }
+                continue;
+            }
             match self.parts(frame, &moved, size)? {
                 Some(parts) => layers.extend(self.part_jobs(moved.layer, parts, &found)),
                 None => layers.push(self.layer_job(moved, &found)),

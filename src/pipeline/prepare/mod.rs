@@ -240,7 +240,7 @@ fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -
 
 /// Adds notes on layers that are not moved.
 fn note_unwarped(prepared: &mut PreparedShot) {
-    let is_moved = |layer: &&Layer| !layer.pins.is_empty() || !layer.handles.is_empty() || layer.transfer.is_some();
+    let is_moved = |layer: &&Layer| layer.is_moved();
     let (moved, still): (Vec<_>, Vec<_>) = prepared.shot.layers.iter().partition(is_moved);
     if moved.is_empty() {
         prepared.notes.push("no layer has pins or moved handles: nothing is warped".into());

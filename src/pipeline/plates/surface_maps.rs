@@ -1,0 +1,112 @@
+//! Maps of a shot over a scene: every pixel follows the surface that it shows, whatever layers move it.
+//!
+//! In: a [`PreparedShot`] with a scene. Out: the [`WarpMap`] of a frame, from the scene drawn before and after the
+//! warp, with the displacement of every surface between the two.
+
+use super::at_rest::SceneAtRest;
+use crate::image::Frame;
+use crate::pipeline::draw::geometry_thread::geometry_of;
+use crate::pipeline::{PipelineError, PreparedShot, TimeSample, draw::tiles};
+use crate::plate::{SurfacePicture, WarpMap};
+use crate::raster::{ChannelGroup, DeviceChoice, Pass, PassRole, Raster, Target};
+use crate::space::{FrameSize, PixelRect};
+use glam::Vec2;
+use std::collections::BTreeSet;
+
+/// What the maps need to know of each pixel.
+const CHANNELS: [ChannelGroup; 3] = [ChannelGroup::Depth, ChannelGroup::Motion, ChannelGroup::Id];
+
+/// Draws the maps of a shot.
+pub struct SurfaceMaps<'a> {
+    prepared: &'a PreparedShot,
+    /// The shot with all layers at rest.
+    still: PreparedShot,
+    device: Box<dyn Raster + Send>,
+    /// The display window and the pixels of the maps.
+    place: (FrameSize, PixelRect),
+    /// Indices of the nodes that are drawn; `None`: all.
+    nodes: Option<BTreeSet<usize>>,
+}
+
+impl<'a> SurfaceMaps<'a> {
+    /// Prepares maps of a display window, for the pixels of a window.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if the scene cannot be prepared.
+    pub fn new(prepared: &'a PreparedShot, place: (FrameSize, PixelRect)) -> Result<Self, PipelineError> {
+        let at_rest = SceneAtRest::new(prepared, &DeviceChoice::Cpu, Vec::new()).with_one_sample();
+        let (device, still) = at_rest.opened(prepared.shot.size)?;
+        Ok(Self { prepared, still, device, place, nodes: None })
+    }
+
+    /// Restricts the pictures to the meshes of some nodes.
+    pub(super) fn of_nodes(self, nodes: BTreeSet<usize>) -> Self {
+        Self { nodes: Some(nodes), ..self }
+    }
+
+    /// The display window and the pixels of the maps.
+    pub(super) const fn place(&self) -> (FrameSize, PixelRect) {
+        self.place
+    }
+
+    /// Returns the source of every pixel of the warped picture of a frame.
+    ///
+    /// # Errors
+    /// [`PipelineError`] if a layer cannot be solved or the scene cannot be drawn.
+    pub fn backward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
+        let [unwarped, warped] = self.pictures(f64::from(frame))?;
+        Ok(WarpMap::between(&warped, &unwarped, self.place.0))
+    }
+
+    /// Returns the target of every pixel of the unwarped picture of a frame.
+    ///
+    /// # Errors
+    /// The errors of [`Self::backward`].
+    pub fn forward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
+        let [unwarped, warped] = self.pictures(f64::from(frame))?;
+        Ok(WarpMap::between(&unwarped, &warped, self.place.0))
+    }
+
+    /// Draws the scene at a (fractional) frame before and after the warp, each with its displacement to the other.
+    pub(super) fn pictures(&mut self, frame: f64) -> Result<[SurfacePicture; 2], PipelineError> {
+        let unwarped = self.still.sample_at(frame)?;
+        let warped = self.prepared.sample_at(frame)?;
+        Ok([self.picture(&unwarped, &warped)?, self.picture(&warped, &unwarped)?])
+    }
+
+    /// Draws one time, with the displacement to another.
+    fn picture(&mut self, shown: &TimeSample, other: &TimeSample) -> Result<SurfacePicture, PipelineError> {
+        let (frame, window) = self.place;
+        let mut geometry = geometry_of(self.prepared, shown, Some([other, other]));
+        if let Some(nodes) = &self.nodes {
+            geometry.draws.retain(|draw| nodes.contains(&(draw.object_id as usize - 1)));
+        }
+        let pass = Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: PassRole::Data };
+        let mut drawn = Frame::blank(frame.window(), window, &[]);
+        for (index, tile) in tiles(window, self.device.max_side()).into_iter().enumerate() {
+            let target = Target { frame, window: tile, channels: CHANNELS.to_vec(), beauty_passes: 1 };
+            self.device.start(&target)?;
+            self.device.draw(&pass)?;
+            let tile = self.device.finish()?;
+            if index == 0 {
+                let channels: Vec<_> = tile.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
+                drawn = Frame::blank(frame.window(), window, &channels);
+            }
+            drawn.paste(&tile);
+        }
+        Ok(surfaces_of(&drawn))
+    }
+}
+
+/// Converts a frame with [`CHANNELS`].
+fn surfaces_of(drawn: &Frame) -> SurfacePicture {
+    let samples = |name| drawn.channel(name).map(|channel| channel.samples.as_slice()).unwrap_or_default();
+    // Motion has y up.
+    let offsets = samples("forward.u").iter().zip(samples("forward.v")).map(|(x, y)| [*x, -*y]);
+    SurfacePicture {
+        window: drawn.data_window,
+        objects: samples("id.object").to_vec(),
+        depths: samples("depth.Z").to_vec(),
+        offsets: offsets.collect(),
+    }
+}
