@@ -28,7 +28,18 @@ pub enum Cut {
         nodes: Vec<String>,
         /// The part of their meshes.
         selection: Selection,
+        /// What happens to the surfaces of meshes of which only some is cut off.
+        surface: CutSurface,
     },
+}
+
+/// The effect of a cut on the surface of a mesh of which only some is cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutSurface {
+    /// It stays whole: the cut separates parts that touch or are near, such as an arm and the body beside it.
+    Whole,
+    /// It is opened along the border of the part.
+    Opened,
 }
 
 impl Cut {

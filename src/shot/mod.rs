@@ -26,6 +26,7 @@ mod structure;
 pub mod template;
 
 pub use camera::*;
+pub(crate) use connectivity::CutSurface;
 pub use connectivity::{Connectivity, Cut};
 pub use error::ShotError;
 pub(crate) use hash::digest;

@@ -81,6 +81,7 @@ fn cuts_and_joins_without_effect_are_reported() {
         ("cuts = [{}]", ["separates nothing", "cuts[0]"]),
         ("cuts = [[[0, 0], [1, 1]]]", ["strokes cut pictures only", "cuts[0]"]),
         ("joins = [['Arm', 'Bdy']]", ["no node of the layer", "joins[0]"]),
+        ("joins = [['Arm', 'Ar*']]", ["joined with itself", "joins[0]"]),
         ("island_radius = -1.0", ["island_radius", "-1"]),
     ] {
         let told = prepared(0.0, lattice).map(|_| String::new()).unwrap_or_else(|error| error);

@@ -9,8 +9,8 @@ use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::screen::primitive;
-use crate::shot::{Cut, Layer, Shot, Source};
-use crate::solve::{Link, LinkEnd, Topology, islands_of, nearest_link, solid_links, surface_links};
+use crate::shot::{Cut, CutSurface, Layer, Shot, Source};
+use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, nearest_link, solid_links, surface_links};
 use crate::spelling;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -97,16 +97,16 @@ impl LayerLinks<'_> {
             let before = links.len();
             match cut {
                 Cut::Stroke(stroke) => self.cut_along(stroke, links),
-                Cut::Part { nodes, selection } => {
+                Cut::Part { nodes, selection, surface } => {
                     let parts = (self.rest.parts.as_slice(), self.parts);
                     let is_in = cut_off((self.shot, self.scene), [self.index, number], (nodes, selection), parts)?;
-                    links.retain(|link| is_in[link.ends[0].triangle as usize] == is_in[link.ends[1].triangle as usize]);
+                    self.cut_part(&is_in, *surface, links);
                     if links.len() == before {
                         let count = is_in.iter().filter(|is_in| **is_in).count();
                         let of = is_in.len();
                         let what = format!("cut {number} separates nothing: it names {count} of {of} triangles");
-                        let hint =
-                            "name a part that hangs on the rest of the layer at rest; `pinwarp info` lists names";
+                        let hint = "name a part that touches the rest of the layer at rest (`pinwarp info` lists names); \
+                                    the surface of one mesh is opened by `open = true` only";
                         return Err(self.fault(&key, &what, hint));
                     }
                 }
@@ -117,6 +117,15 @@ impl LayerLinks<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Removes the links between a part and everything else; a surface that stays whole keeps its own.
+    fn cut_part(&self, is_in: &[bool], surface: CutSurface, links: &mut Vec<Link>) {
+        links.retain(|link| {
+            let [from, to] = link.ends.map(|end| end.triangle as usize);
+            let is_on_surface = link.kind == LinkKind::Edge && self.mesh.nodes[from] == self.mesh.nodes[to];
+            is_in[from] == is_in[to] || surface == CutSurface::Whole && is_on_surface
+        });
     }
 
     /// Removes the links that a stroke crosses. Pictures are flat: their x and y are screen coordinates.
@@ -144,6 +153,12 @@ impl LayerLinks<'_> {
                 return Err(self.fault(&key, &what, &spelling::hint(pattern, names)));
             }
             let [(from, _), (to, _)] = sides;
+            if let Some(shared) = from.iter().find(|triangle| to.binary_search(triangle).is_ok()) {
+                let name = &self.scene.nodes[self.mesh.nodes[*shared]].name;
+                let what =
+                    format!("'{}' and '{}' both name '{name}', which would be joined with itself", pair[0], pair[1]);
+                return Err(self.fault(&key, &what, "name two different parts of the layer"));
+            }
             links.extend(nearest_link(&self.mesh.points, &self.mesh.triangles, [&from, &to]));
         }
         Ok(())

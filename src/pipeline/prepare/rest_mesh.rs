@@ -16,6 +16,8 @@ pub(in crate::pipeline) struct RestMesh {
     pub(in crate::pipeline) triangles: Vec<[u32; 3]>,
     /// #triangles: whether the part itself lists the corners in reverse order.
     pub(in crate::pipeline) is_mirrored: Vec<bool>,
+    /// #triangles: index of the node whose mesh has the triangle.
+    pub(in crate::pipeline) nodes: Vec<usize>,
 }
 
 /// Returns the pose without any clip.
@@ -57,6 +59,7 @@ impl RestMesh {
             let corners = primitive(scene, part).triangles.iter().map(ordered);
             mesh.triangles.extend(corners.map(|corners| corners.map(|corner| corner + base)));
             mesh.is_mirrored.resize(mesh.triangles.len(), part.is_mirrored);
+            mesh.nodes.resize(mesh.triangles.len(), part.node);
         }
         mesh
     }

@@ -3,7 +3,7 @@
 //! In: a raw lattice. Out: [`Connectivity`].
 
 use super::{Check, Kind, LayerDefaults};
-use crate::shot::connectivity::ISLAND_RADIUS;
+use crate::shot::connectivity::{CutSurface, ISLAND_RADIUS};
 use crate::shot::raw::{RawCut, RawLattice, RawPartCut};
 use crate::shot::{Connectivity, Cut};
 use crate::solve::Topology;
@@ -57,6 +57,7 @@ impl Check<'_> {
             let hint = "name nodes, joints, materials, vertex_color or a mask";
             self.fault(key, "a cut without a name separates nothing", hint);
         }
-        Cut::Part { nodes: raw.nodes.clone().unwrap_or_default(), selection }
+        let surface = if raw.open { CutSurface::Opened } else { CutSurface::Whole };
+        Cut::Part { nodes: raw.nodes.clone().unwrap_or_default(), selection, surface }
     }
 }

@@ -37,6 +37,8 @@ pub(in crate::shot) struct RawPartCut {
     /// A picture painted over the UVs of the meshes: selects where it is above 0.5.
     #[schemars(example = serde_json::json!({ "file": "arm.png" }))]
     pub(in crate::shot) mask: Option<RawMask>,
+    /// Whether the cut also opens the surface of a mesh that the part belongs to.
+    pub(in crate::shot) open: bool,
 }
 
 impl RawPartCut {
