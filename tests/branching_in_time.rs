@@ -100,7 +100,7 @@ impl Timeline<2> for Scene {
         };
         let points = shape.triangles.iter().enumerate().step_by(3).map(on).collect();
         let path = vec![Targets { pins, handles: Vec::new() }];
-        Ok(Some(TimedProblem { grid, shape, path, points, drawing: 0 }))
+        Ok(Some(TimedProblem { grid, shape, path, points, drawing: 0, take: 0 }))
     }
 }
 

@@ -143,7 +143,7 @@ impl Timeline<3> for TwistedBall {
         let pins = turned(0.6, [(-0.8, 0.0), (0.8, self.angle * time / FRAMES)].into_iter());
         let points = self.shape.points.iter().step_by(5).map(|&at| ModelPoint { at, triangle: None }).collect();
         let path = vec![Targets { pins, handles: Vec::new() }];
-        Ok(Some(TimedProblem { grid: cube(5), shape: self.shape.clone(), path, points, drawing: 0 }))
+        Ok(Some(TimedProblem { grid: cube(5), shape: self.shape.clone(), path, points, drawing: 0, take: 0 }))
     }
 }
 

@@ -88,7 +88,7 @@ impl<'a, const D: usize> Upright<'a, D> {
         if self.is_identity() {
             return problem;
         }
-        let TimedProblem { shape, path, points, drawing, .. } = problem;
+        let TimedProblem { shape, path, points, drawing, take, .. } = problem;
         let point = |point: &ModelPoint<D>| ModelPoint { at: self.grid.upright_from_point(point.at), ..*point };
         TimedProblem {
             grid: self.grid.upright(),
@@ -96,6 +96,7 @@ impl<'a, const D: usize> Upright<'a, D> {
             path: self.path(&path).into_owned(),
             points: points.iter().map(point).collect(),
             drawing,
+            take,
         }
     }
 }

@@ -63,13 +63,19 @@ fn a_followed_box_always_holds_what_it_follows() {
 
 /// A square under a camera with these keys of distances.
 fn seen_from(keys: &[(i32, f64, &str)]) -> Studio {
+    pulled_and_seen_from("", keys)
+}
+
+/// Same as [`seen_from`], with keys of the pin that pulls a corner.
+fn pulled_and_seen_from(pin: &str, keys: &[(i32, f64, &str)]) -> Studio {
     let key = |(frame, distance, ease): &(i32, f64, &str)| {
         format!("{{ frame = {frame}, yaw = 20, distance = {distance}, ease = \"{ease}\" }}")
     };
     let keys: Vec<String> = keys.iter().map(key).collect();
     let layer = format!(
-        "camera = {{ look_at = \"Quad\", keys = [{}] }}\n[[layer]]\nlattice = {{ dims = [4, 4] }}\n[[layer.pin]]\n\
-         anchor = {{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }}\n",
+        "camera = {{ look_at = \"Quad\", keys = [{}] }}\n[[layer]]\nlattice = {{ dims = [4, 4] }}\nsolve = {{ temporal = 2 }}\n[[layer.pin]]\n\
+         anchor = {{ node = \"Quad\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }}\nkeys = [{pin}]\n\
+         [[layer.pin]]\nanchor = {{ node = \"Quad\", triangle = 7, barycentric = [0.0, 1.0, 0.0] }}\n",
         keys.join(", ")
     );
     Studio::tiny(&Tiny::of(vec![square(0.0)]), &layer)
@@ -93,6 +99,30 @@ fn a_followed_box_is_not_smoothed_across_a_cut_of_the_camera() {
     let fast = seen_from(&[(1, 2.0, "linear"), (5, 2.0, "linear"), (8, 5.0, "linear")]);
     let grown = box_at(&fast, 5.0)[0] - box_at(&near, 5.0)[0];
     assert!(grown.abs() > 1e-3, "{grown}");
+}
+
+#[test]
+fn a_layer_is_not_coupled_across_a_cut_of_the_camera() {
+    let pulled = "{ frame = 1, offset = [0.02, -0.01], rotate = 60, ease = \"hold\" }, { frame = 6, offset = [0.0, 0.02], rotate = 10 }";
+    let let_go = "{ frame = 1, offset = [0.0, 0.02], rotate = 10 }";
+    let keys = [(1, 2.0, "hold"), (6, 5.0, "linear")];
+    let cut = pulled_and_seen_from(pulled, &keys).prepared();
+    let far = pulled_and_seen_from(let_go, &[(1, 5.0, "linear")]).prepared();
+    let moving = pulled_and_seen_from(pulled, &[(1, 5.0, "linear")]).prepared();
+    let handles = |prepared: &PreparedShot, frame: f64| -> Vec<[f64; 2]> {
+        let sample = prepared.sample_at(frame).expect("the frame is solved");
+        sample.layers[0].solution.as_ref().expect("the layer is warped").lattice.handles.clone()
+    };
+    let apart = |a: &PreparedShot, b: &PreparedShot, frame: f64| {
+        let [a, b] = [a, b].map(|prepared| handles(prepared, frame));
+        a.iter().zip(&b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
+    };
+    for frame in [6.0, 6.4, 7.0, 9.0] {
+        let off = apart(&cut, &far, frame);
+        assert!(off < 1e-5, "{off} of a frame height in frame {frame}");
+    }
+    let coupled = apart(&moving, &far, 6.0);
+    assert!(coupled > 1e-4, "without a cut the frames are coupled: {coupled}");
 }
 
 #[test]

@@ -139,6 +139,7 @@ impl Timeline<2> for Limb {
             path: vec![goal],
             points,
             drawing: 0,
+            take: 0,
         }))
     }
 }

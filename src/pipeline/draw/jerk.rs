@@ -5,6 +5,7 @@
 //! picture.
 
 use crate::lattice::ScreenLattice;
+use crate::pipeline::evaluate::camera_cuts::take_at;
 use crate::pipeline::evaluate::part_triangle_ranges::triangles_of;
 use crate::pipeline::{FrameReport, Jerk, LayerState, PinAnchor, PreparedShot, TimeSample};
 use crate::raster::geometry::vertex_triangles;
@@ -86,8 +87,10 @@ impl JerkMeter {
     /// Fills `past` with the three frames before `frame`. If one of them cannot be solved, it and those before it are left out.
     fn look_back(&mut self, prepared: &PreparedShot, frame: i32) {
         let wanted = frame.saturating_sub(3)..frame;
-        if wanted.start < prepared.shot.frames.first || prepared.shot.layers.is_empty() {
-            // Too early for a measurement; known frames may serve the next one.
+        let take = |frame: i32| take_at(prepared, f64::from(frame));
+        let is_cut = take(wanted.start) < take(frame);
+        if wanted.start < prepared.shot.frames.first || is_cut || prepared.shot.layers.is_empty() {
+            // Too early for a measurement, also after a cut of the camera; known frames may serve the next one.
             self.past.retain(|&(past, _)| wanted.contains(&past));
             return;
         }

@@ -1,6 +1,6 @@
 //! Cuts: frames between which the camera jumps, such as where its keys hold.
 //!
-//! In: a [`PreparedShot`] and a frame. Out: whether a cut follows it. What is smoothed over frames stops there.
+//! In: a [`PreparedShot`] and a frame. Out: whether a cut follows it. What is smoothed or coupled over frames stops there.
 
 use crate::pipeline::PreparedShot;
 use crate::pipeline::prepare::cameras::CameraSource;
@@ -34,6 +34,14 @@ pub(in crate::pipeline) fn is_cut_after(prepared: &PreparedShot, frame: i32) -> 
     let by = known_change(prepared, frame);
     let beside = |step: i32| known_change(prepared, frame.saturating_add(step));
     by >= LEAST_CHANGE && [-1, 1].into_iter().all(|step| by >= RATIO * beside(step))
+}
+
+/// Number of cuts from the first frame over which layers are solved to a time, in frames. A time between two frames belongs to the frame before.
+pub(in crate::pipeline) fn take_at(prepared: &PreparedShot, time: f64) -> i64 {
+    let [first, last] = prepared.shot.solve_range;
+    let cuts =
+        prepared.cache.cuts.get_or_init(|| (first..last).filter(|&frame| is_cut_after(prepared, frame)).collect());
+    cuts.partition_point(|&frame| f64::from(frame) + 1.0 <= time) as i64
 }
 
 /// The same as [`picture_change`], computed once per frame.

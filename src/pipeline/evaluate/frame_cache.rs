@@ -19,6 +19,8 @@ pub(in crate::pipeline) struct FrameCache {
     pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
     /// How much the camera changes the picture from a frame to the next.
     pub(in crate::pipeline) picture_changes: Mutex<HashMap<i32, f64>>,
+    /// Frames of the solve range that a cut of the camera follows, ascending.
+    pub(in crate::pipeline) cuts: OnceLock<Vec<i32>>,
     /// The scene at rest, for what asks for it many times.
     pub(in crate::pipeline) rest: OnceLock<Pose>,
     /// Bounds of world layers.

@@ -72,7 +72,7 @@ impl<'a> WorldLayer<'a> {
         };
         let points = points.iter().filter_map(place).collect();
         let drawing = self.prepared.shot.drawing(self.index, self.prepared.key_frame(layer, time));
-        Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing })
+        Some(TimedProblem { grid: self.grid.clone(), shape: self.shape(), path: vec![goal], points, drawing, take: 0 })
     }
 
     /// Returns the layer's triangles and lines in the frame of its box.

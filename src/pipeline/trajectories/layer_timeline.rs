@@ -3,6 +3,7 @@
 //! In: a [`PreparedShot`] and a layer. Out: the layer's problem at any time.
 
 use crate::lattice::Grid;
+use crate::pipeline::evaluate::camera_cuts::take_at;
 use crate::pipeline::evaluate::part_triangle_ranges::held_triangle;
 use crate::pipeline::evaluate::screen_layer::{LayerSolver, LayerTask, is_branching, unfactored};
 use crate::pipeline::evaluate::screen_shape::{ScreenShape, screen_shape_with_starts};
@@ -10,6 +11,9 @@ use crate::pipeline::{PinAnchor, PreparedShot, TimeSample};
 use crate::screen::primitive;
 use crate::shot::{Layer, LayerSpace, PinTargets};
 use crate::solve::{ModelPoint, Settings, SolveError, TimedProblem, Timeline, knots_per_gib};
+
+/// Number of knots per frame.
+pub(super) const KNOTS_PER_FRAME: u32 = 1;
 
 /// Number of triangles above which models are posed and sampled one time after the other, not in parallel.
 const HEAVY: usize = 250_000;
@@ -64,8 +68,8 @@ impl LayerTimeline<'_> {
         Some((unfactored(self.prepared, sample, &task)?, targets))
     }
 
-    /// Returns the problem at a time; `None` if neither pins nor handles act. The first knot has no predecessor and is
-    /// solved along the whole path of the pins.
+    /// Returns the problem at a time; `None` if neither pins nor handles act. The first knot, and the first after a cut
+    /// of the camera, has no predecessor and is solved along the whole path of the pins.
     pub(in crate::pipeline) fn problem(
         &self,
         sample: &TimeSample,
@@ -83,8 +87,11 @@ impl LayerTimeline<'_> {
         }
         let (_, goal) = solver.targets(layer, targets);
         let shot = &self.prepared.shot;
+        let take = take_at(self.prepared, sample.frame);
         let mut path = Vec::new();
-        if sample.frame <= first_knot(self.prepared, self.index) {
+        let is_first = sample.frame <= first_knot(self.prepared, self.index)
+            || take_at(self.prepared, sample.frame - 1.0 / f64::from(KNOTS_PER_FRAME)) < take;
+        if is_first {
             let way = shot.pin_path(self.index, self.prepared.key_frame(layer, sample.frame));
             path.extend(way.iter().map(|targets| solver.targets(layer, targets).1));
         }
@@ -97,7 +104,7 @@ impl LayerTimeline<'_> {
         });
         let grid = solver.grid().clone();
         let drawing = shot.drawing(self.index, self.prepared.key_frame(layer, sample.frame));
-        Some(TimedProblem { grid, shape, path, points: points.collect(), drawing })
+        Some(TimedProblem { grid, shape, path, points: points.collect(), drawing, take })
     }
 }
 

@@ -15,16 +15,13 @@ use crate::pipeline::evaluate::screen_layer::border_rests;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::shot::LayerSpace;
 use crate::solve::{Cancel, Coupling, Guard, Settings, SolveError, Spread, Timeline, Trajectory};
-use layer_timeline::{LayerTimeline, Watcher, first_knot};
+use layer_timeline::{KNOTS_PER_FRAME, LayerTimeline, Watcher, first_knot};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trajectory_files::{Keeping, TrajectoryFiles};
 use watched_points::watched_points;
 use watched_trajectory::{Facts, Outcome, WatchedTrajectory};
 use world_timeline::WorldTimeline;
-
-/// Number of knots per frame.
-const KNOTS_PER_FRAME: u32 = 1;
 
 /// Speed that never counts as a jump, even if pins and model are at rest: one pixel per frame at 1080 lines, in frame heights.
 const MIN_SPEED: f64 = 1.0 / 1080.0;

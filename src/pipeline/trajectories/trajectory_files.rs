@@ -16,7 +16,7 @@ const FOLDER: &str = ".pinwarp-trajectories";
 const ENDING: &str = ".trajectory";
 
 /// First bytes of a file; the number is the version of the format.
-const HEAD: &[u8; 16] = b"pinwarp track 2\n";
+const HEAD: &[u8; 16] = b"pinwarp track 3\n";
 
 /// Length of the checksum, bytes.
 const CHECKSUM: usize = 16;

@@ -17,14 +17,15 @@ impl<const D: usize> Trajectory<D> {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Bytes(Vec::new());
-        let SolvedKnots { coupling, states, model_angles, drawings, weights } = &self.knots;
+        let SolvedKnots { coupling, states, model_angles, drawings, takes, weights } = &self.knots;
         let Coupling { first, last, knots_per_frame, weight, least_speed } = *coupling;
         out.count(D);
         out.floats(&[first, last, f64::from(knots_per_frame), weight, least_speed, self.weight]);
         out.count(states.len());
-        for ((state, drawing), angle) in states.iter().zip(drawings).zip(model_angles) {
-            out.word(drawing.cast_unsigned());
-            out.floats(&[*angle]);
+        for (index, state) in states.iter().enumerate() {
+            out.word(drawings[index].cast_unsigned());
+            out.word(takes[index].cast_unsigned());
+            out.floats(&[model_angles[index]]);
             match state {
                 None => out.word(NO_STATE),
                 Some(Displacement { handles, copies, points, box_angle }) => {
@@ -62,9 +63,11 @@ impl<const D: usize> Trajectory<D> {
         }
         let knots_per_frame = knots_per_frame as u32;
         let coupling = Coupling { first, last, knots_per_frame, weight: coupling_weight, least_speed };
-        let (mut drawings, mut model_angles, mut states) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..rest.count(3)? {
+        let (mut drawings, mut takes) = (Vec::new(), Vec::new());
+        let (mut model_angles, mut states) = (Vec::new(), Vec::new());
+        for _ in 0..rest.count(4)? {
             drawings.push(rest.word()?.cast_signed());
+            takes.push(rest.word()?.cast_signed());
             model_angles.push(rest.float()?);
             states.push(rest.state()?);
         }
@@ -72,7 +75,7 @@ impl<const D: usize> Trajectory<D> {
         let [weights, interior_weights] = [rest.floats(intervals)?, rest.floats(intervals)?];
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
         let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
-        let knots = SolvedKnots { coupling, states, model_angles, drawings, weights };
+        let knots = SolvedKnots { coupling, states, model_angles, drawings, takes, weights };
         is_whole.then_some(Self { knots, interior_weights, weight, spreads: spreads? })
     }
 }
@@ -176,6 +179,7 @@ mod tests {
             states: vec![Some(state(1.0 / 3.0)), None, Some(branching), Some(state(0.1))],
             model_angles: vec![0.0, -0.0, 3.5, 1e-17],
             drawings: vec![3, -1, i64::MAX, 0],
+            takes: vec![0, 1, 1, i64::MAX],
             weights: vec![0.0, 0.0, 12.5],
         };
         Trajectory {

@@ -122,24 +122,26 @@ impl<'a, const D: usize> Chain<'a, D> {
     /// Appends knots, and the intervals that lead to them.
     pub(crate) fn extend(&mut self, mut knots: Vec<Option<Knot<D>>>) {
         self.remaining += MAX_RELAXATIONS[usize::from(D > 2)] * knots.len();
+        let mut take = self.knots.iter().flatten().last().map(|knot| knot.take);
         for knot in &mut knots {
-            match knot {
-                Some(knot) => knot.follow_winding(&mut self.winding),
-                None => self.winding = Winding::default(),
+            if knot.is_none() || take != knot.as_ref().map(|knot| knot.take) {
+                self.winding = Winding::default();
             }
+            take = knot.as_ref().map(|knot| knot.take);
+            knot.iter_mut().for_each(|knot| knot.follow_winding(&mut self.winding));
         }
         let first = self.weights.len();
         self.knots.extend(knots);
         for index in first + 1..self.knots.len() {
             let (before, rest) = self.knots.split_at_mut(index);
-            if let (Some(Some(before)), Some(knot)) = (before.last(), &mut rest[0]) {
+            if let (Some(before), Some(knot)) = (in_take(before.last(), rest[0].as_ref()), &mut rest[0]) {
                 knot.follow_rotation(before);
             }
         }
         let per_frame = f64::from(self.coupling.knots_per_frame);
         for pair in self.knots.windows(2).skip(first) {
             let (weight, limit) = match pair {
-                [Some(knot), Some(next)] => {
+                [Some(knot), Some(next)] if knot.take == next.take => {
                     (self.weight, MOTION_FACTOR * knot.motion(next) + self.coupling.least_speed / per_frame)
                 }
                 _ => (0.0, f64::INFINITY),
@@ -179,6 +181,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             settled.map(|((weight, interior), is_spread)| SettledInterval { weight, interior, is_spread });
         let front = self.knots.drain(..count).map(|knot| SettledKnot {
             drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
+            take: knot.as_ref().map_or(0, |knot| knot.take),
             model_angle: knot.as_ref().map_or(0.0, |knot| knot.model_angle),
             state: knot.map(|knot| knot.displacement),
             interval: settled.next(),
@@ -214,23 +217,24 @@ impl<'a, const D: usize> Chain<'a, D> {
         if tolerance > TOLERANCE { self.settle(0, TOLERANCE) } else { Ok(()) }
     }
 
-    /// Solves every knot from the state of the previous one; the first knot, and one after a gap, alone.
+    /// Solves every knot from the state of the previous one; the first knot, and one after a gap or a cut, alone.
     fn pass_forward(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
         for index in self.forward_count..self.knots.len() {
             passed();
             let weight = weights_beside(&self.weights, index).iter().sum();
             let (before, rest) = self.knots.split_at_mut(index);
+            let before = in_take(before.last(), rest[0].as_ref());
             let Some(knot) = rest[0].as_mut().filter(|knot| !knot.holds_rest) else { continue };
-            match before.last() {
-                Some(Some(before)) if self.hold_of[index] == self.hold_of[index - 1] => {
+            match before {
+                Some(before) if self.hold_of[index] == self.hold_of[index - 1] => {
                     knot.displacement = before.displacement.clone();
                 }
-                Some(Some(before)) => {
+                Some(before) => {
                     knot.start_from(&before.displacement);
                     let points = &before.displacement.points;
                     knot.solve_proximal((points, weight), Descent::Cold, self.cancel)?;
                 }
-                _ => {
+                None => {
                     knot.solve_alone(self.cancel)?;
                 }
             }
@@ -338,8 +342,8 @@ impl<'a, const D: usize> Chain<'a, D> {
             if hold_of[index] == hold_of[index + 1] {
                 return Interior::Interpolated;
             }
-            // Motion between two drawings is discontinuous on purpose.
-            if knot.drawing != next.drawing {
+            // Motion between two drawings is discontinuous on purpose, and none leads across a cut.
+            if knot.drawing != next.drawing || knot.take != next.take {
                 return Interior::Coupled;
             }
             let is_convex = is_convex_at[index]
@@ -393,6 +397,8 @@ pub(crate) struct SettledKnot<const D: usize> {
     pub(crate) state: Option<Displacement<D>>,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
+    /// Number of cuts of the camera before the knot.
+    pub(crate) take: i64,
     /// Rotation of the model at the knot.
     pub(crate) model_angle: f64,
     /// The interval that begins at the knot; `None` at the last knot.
@@ -407,6 +413,11 @@ pub(crate) struct SettledInterval {
     pub(crate) interior: Interior,
     /// Whether a fast motion is spread over it.
     pub(crate) is_spread: bool,
+}
+
+/// The knot before, unless a gap or a cut lies between.
+fn in_take<'a, const D: usize>(before: Option<&'a Option<Knot<D>>>, knot: Option<&Knot<D>>) -> Option<&'a Knot<D>> {
+    before?.as_ref().filter(|before| knot.is_some_and(|knot| knot.take == before.take))
 }
 
 /// Whether the speed hardly changes at both ends of an interval.

@@ -50,6 +50,8 @@ pub(crate) struct Knot<const D: usize> {
     pub(crate) holds_rest: bool,
     /// The drawing that the knot belongs to.
     pub(crate) drawing: i64,
+    /// Number of cuts of the camera before the knot.
+    pub(crate) take: i64,
     /// The state.
     pub(crate) displacement: Displacement<D>,
 }
@@ -81,7 +83,7 @@ impl<const D: usize> Knot<D> {
     /// Samples and factors a problem. The initial state is the rigid fit, in the frame of the box.
     pub(crate) fn new(problem: TimedProblem<D>, settings: &Settings, cancel: &Cancel) -> Result<Self, SolveError> {
         let rotated = problem.grid.clone();
-        let TimedProblem { grid, shape, path, points, drawing } = Upright::of(&rotated).problem(problem);
+        let TimedProblem { grid, shape, path, points, drawing, take } = Upright::of(&rotated).problem(problem);
         let goal = path.last().cloned().unwrap_or(Targets { pins: Vec::new(), handles: Vec::new() });
         let Targets { pins, handles } = &goal;
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
@@ -112,6 +114,7 @@ impl<const D: usize> Knot<D> {
             is_resting,
             holds_rest: false,
             drawing,
+            take,
             displacement,
         })
     }
@@ -148,6 +151,7 @@ impl<const D: usize> Knot<D> {
     /// Whether another time has the same problem, as where keys hold a pose over a still model.
     pub(crate) fn is_held_by(&self, other: &Self) -> bool {
         self.drawing == other.drawing
+            && self.take == other.take
             && self.grid() == other.grid()
             && self.points == other.points
             && self.goal() == other.goal()

@@ -102,8 +102,9 @@ impl<const D: usize> Trajectory<D> {
         let intervals: Vec<SettledInterval> = done.iter_mut().filter_map(|knot| knot.interval.take()).collect();
         let weights = intervals.iter().map(|interval| interval.weight).collect();
         let model_angles = done.iter().map(|knot| knot.model_angle).collect();
+        let takes = done.iter().map(|knot| knot.take).collect();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
-        let knots = SolvedKnots { coupling, states, model_angles, drawings, weights };
+        let knots = SolvedKnots { coupling, states, model_angles, drawings, takes, weights };
         let search = |&(index, interval): &(usize, &SettledInterval)| {
             // A problem that cannot be built between two knots is reported when its own frame is solved.
             let knot_between = |time: f64| {
@@ -167,21 +168,24 @@ impl<const D: usize> Trajectory<D> {
         if knot.is_resting && (place < -AT_KNOT || place > last + AT_KNOT) {
             return Ok(knot.at_rest());
         }
-        match self.neighbourhood(time, knot.drawing) {
+        match self.neighbourhood(time, (knot.drawing, knot.take)) {
             Neighbourhood::Alone => knot.solve_alone(cancel),
             Neighbourhood::Knot(state) => Ok(knot.at(state)),
             Neighbourhood::Proximal(proximal) => knot.solve_between(&proximal, cancel),
         }
     }
 
-    /// The knots that determine the state at a time. Before the first knot, after the last, beside a gap, and where only one
+    /// The knots that determine the state at a time. Before the first knot, after the last, beside a gap or a cut, and where only one
     /// neighbour has the same drawing, the proximal term has a single knot and a weight inversely proportional to the distance
     /// from it.
-    fn neighbourhood(&self, time: f64, drawing: i64) -> Neighbourhood<'_, D> {
-        let SolvedKnots { states, drawings, .. } = &self.knots;
+    fn neighbourhood(&self, time: f64, (drawing, take): (i64, i64)) -> Neighbourhood<'_, D> {
+        let SolvedKnots { states, drawings, takes, .. } = &self.knots;
         let place = self.knots.place(time);
         let last = states.len() as f64 - 1.0;
-        let any_state = |knot: f64| if knot < 0.0 { None } else { states.get(knot as usize)?.as_ref() };
+        let any_state = |knot: f64| {
+            let index = Some(knot as usize).filter(|&index| knot >= 0.0 && takes.get(index) == Some(&take))?;
+            states[index].as_ref()
+        };
         let state = |knot: f64| any_state(knot).filter(|_| drawings[knot as usize] == drawing);
         if let Some(state) = state(place.round()).filter(|_| (place - place.round()).abs() < AT_KNOT) {
             return Neighbourhood::Knot(state);

@@ -18,6 +18,8 @@ pub(crate) struct SolvedKnots<const D: usize> {
     pub(crate) model_angles: Vec<f64>,
     /// Drawing that each knot belongs to.
     pub(crate) drawings: Vec<i64>,
+    /// Number of cuts of the camera before each knot.
+    pub(crate) takes: Vec<i64>,
     /// ω of each interval, per squared unit of the space: it couples the knots at its ends.
     pub(crate) weights: Vec<f64>,
 }
@@ -40,6 +42,7 @@ impl<const D: usize> SolvedKnots<D> {
         let place = self.place(time).clamp(0.0, last as f64);
         let (before, s) = (place.floor() as usize, place.fract());
         let after = (before + 1).min(last);
+        let after = if self.takes[after] == self.takes[before] { after } else { before };
         let [from, to] = [before, after].map(|knot| self.model_angles[knot]);
         knot.set_box_angle(wrapped(knot.angle - (from + s * (to - from))));
     }
@@ -77,7 +80,7 @@ impl<const D: usize> SolvedKnots<D> {
     fn tie(&self, interval: Option<usize>, other: usize) -> Option<(f64, [&Displacement<D>; 2])> {
         let index = interval.filter(|&index| index < self.weights.len())?;
         let [Some(from), Some(to)] = &self.states[index..=index + 1] else { return None };
-        let is_one_drawing = self.drawings[index] == self.drawings[index + 1];
-        is_one_drawing.then(|| (self.weights[index] / self.weights[other], [from, to]))
+        let is_one = |of: &[i64]| of[index] == of[index + 1];
+        (is_one(&self.drawings) && is_one(&self.takes)).then(|| (self.weights[index] / self.weights[other], [from, to]))
     }
 }

@@ -23,6 +23,9 @@ pub struct TimedProblem<const D: usize> {
     /// The drawing that is visible, if targets are held over several frames and then jump ("on twos"), else 0. A trajectory is
     /// continuous within a drawing.
     pub drawing: i64,
+    /// Number of cuts of the camera up to this time. Knots on different sides of a cut are not coupled, because their
+    /// displacements are seen in different views; the first knot after a cut is solved along the whole path of its targets.
+    pub take: i64,
 }
 
 /// The problem of a layer as a function of time.
