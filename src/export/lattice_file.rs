@@ -20,6 +20,9 @@ const VERSION: u32 = 2;
 /// The version written otherwise, so that programs of the first version can read it.
 const PLAIN_VERSION: u32 = 1;
 
+/// Largest coordinate: beyond it screen points have no pixel, and metres no digits left.
+const FARTHEST: f64 = 1e9;
+
 /// Largest absolute frame number, as in shots.
 const MAX_FRAME: i32 = 1_000_000;
 
@@ -323,8 +326,8 @@ fn raw_branches(branches: &LatticeBranches) -> RawBranches {
 
 fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], Fault> {
     match <[f64; D]>::try_from(values) {
-        Ok(point) if point.iter().all(|x| x.is_finite()) => Ok(point),
-        _ => Err(fault(key(), format!("is {values:?}"), format!("give {D} finite numbers"))),
+        Ok(point) if point.iter().all(|x| x.abs() <= FARTHEST) => Ok(point),
+        _ => Err(fault(key(), format!("is {values:?}"), format!("give {D} numbers of at most {FARTHEST}"))),
     }
 }
 
