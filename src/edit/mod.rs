@@ -25,6 +25,8 @@ mod session;
 mod shortcuts;
 mod tour;
 mod track;
+mod track_curve;
+mod track_keys;
 mod worker;
 mod zoom;
 
@@ -43,11 +45,12 @@ pub use playhead::Playhead;
 pub(crate) use reference::Reference;
 pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, EXPORTS, Onion, Wipe};
 pub use session::{
-    Brush, EasePreset, Held, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
+    Brush, EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
 };
 pub use shortcuts::Action;
 pub(crate) use shortcuts::{Chord, Shortcuts};
 pub(crate) use tour::Tour;
 pub(crate) use track::AutoKey;
+pub use track_keys::Track;
 pub use worker::SolvedFrame;
 pub use zoom::{Lens, Zoom};

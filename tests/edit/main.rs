@@ -6,6 +6,8 @@ mod tiny;
 
 mod brush;
 mod foreign;
+mod keyboard;
+mod keys;
 mod model;
 mod panels;
 mod pins;

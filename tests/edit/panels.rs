@@ -1,6 +1,6 @@
 //! The brush, the timeline, the tour and the list of keys in the real interface.
 
-use crate::stage::{SHOT, Stage};
+use crate::stage::{PINS, SHOT, Stage};
 use crate::window::{Window, place, pointer, session, settled, until, window};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::Queryable;
@@ -11,20 +11,6 @@ fn key(window: &mut Window, key: Key, pressed: bool) {
     window.event(Event::Key { key, physical_key, pressed, repeat, modifiers });
     window.step();
 }
-
-/// Two pins with keys in the left layer.
-const PINS: &str = "coarse on purpose
-
-[[layer.pin]]
-name   = \"a\"
-anchor = { screen = [0.3, 0.5], frame = 1 }
-keys   = [{ frame = 1, offset = [0.0, 0.0] }, { frame = 3, offset = [0.1, 0.0] }, { frame = 6, offset = [0.0, 0.0] }]
-
-[[layer.pin]]
-name   = \"b\"
-anchor = { screen = [0.6, 0.5], frame = 1 }
-keys   = [{ frame = 2, offset = [0.0, 0.0] }, { frame = 3, offset = [0.0, 0.1] }, { frame = 5, offset = [0.0, 0.0] }]
-";
 
 #[test]
 fn a_held_key_paints_stiffness_and_shift_erases_it() {
@@ -64,8 +50,7 @@ fn a_held_key_paints_stiffness_and_shift_erases_it() {
 
 #[test]
 fn a_box_in_the_timeline_chooses_keys_of_many_pins() {
-    let stage = Stage::new();
-    fs::write(stage.shot(), SHOT.replacen("coarse on purpose\n", PINS, 1)).expect("written");
+    let stage = Stage::with(PINS);
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);
     let rows = ["a", "b"].map(|name| -> Rect { window.get_by_label(&format!("Keys of {name}")).rect() });

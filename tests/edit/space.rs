@@ -1,6 +1,6 @@
 //! Lattices in the scene: their handles and pins in metres follow the pen; their dims change without losing the edit.
 
-use crate::stage::{SHOT, Stage, TIMEOUT, at, press};
+use crate::stage::{SHOT, Stage, TIMEOUT, drag};
 use pinwarp::edit::{Channel, EasePreset, Session};
 use pinwarp::shot::Goal;
 use std::fs;
@@ -14,14 +14,6 @@ fn in_scene(stage: &Stage, more: &str) -> Session {
     stage.session()
 }
 
-fn drag(session: &mut Session, from: [f64; 2], by: [f64; 2]) {
-    press(session, at(from[0], from[1]));
-    session.motion(at(from[0] + 0.5 * by[0], from[1] + 0.5 * by[1]));
-    session.motion(at(from[0] + by[0], from[1] + by[1]));
-    session.release();
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
-}
-
 #[test]
 fn a_handle_in_the_scene_follows_the_pen_and_is_undone() {
     let stage = Stage::new();
@@ -32,7 +24,7 @@ fn a_handle_in_the_scene_follows_the_pen_and_is_undone() {
     assert_eq!((marks.handles.len(), marks.handle_steps.len()), (64, 64));
     let number = 21;
     let from = marks.handles[number].expect("seen").0;
-    drag(&mut session, from.to_array(), [0.05, 0.08]);
+    drag(&mut session, from.to_array(), (from + glam::DVec2::new(0.05, 0.08)).to_array());
     let tracks = session.document().shot().layers[0].handles.clone();
     let [x, y, z] = tracks[0].index;
     let chosen = x + 4 * (y + 4 * z);
@@ -53,20 +45,19 @@ fn a_handle_in_the_scene_follows_the_pen_and_is_undone() {
 
 #[test]
 fn a_moved_handle_is_eased_moved_in_time_and_put_back() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     session.shown.handles = true;
     let untouched = session.document().text().to_owned();
     let handle = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
     session.go(4);
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let seen = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
-    drag(&mut session, seen.to_array(), [0.03, 0.04]);
+    drag(&mut session, seen.to_array(), (seen + glam::DVec2::new(0.03, 0.04)).to_array());
     assert!(handle.is_finite());
     let at = (0, [2, 3, 0]);
     let keys = |session: &Session| session.document().shot().layers[0].handles[0].keys.clone();
     assert_eq!(keys(&session).iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 4.0]);
-    session.choose_handle_key(at, 4.0, false);
+    session.choose_key(at, 4.0, false);
     session.shift_keys(1);
     session.ease_keys(EasePreset::Hold);
     assert_eq!(keys(&session).iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 5.0]);
@@ -87,7 +78,7 @@ fn pins_in_metres_and_in_sizes_of_the_box_follow_the_pen() {
         );
         let mut session = in_scene(&stage, &pin);
         let from = session.marks()[0].pins[0].target.0;
-        drag(&mut session, from.to_array(), [0.06, 0.1]);
+        drag(&mut session, from.to_array(), (from + glam::DVec2::new(0.06, 0.1)).to_array());
         let to = session.marks()[0].pins[0].target.0;
         assert!((to - from - glam::DVec2::new(0.06, 0.1)).length() < 1e-4, "{unit}: {from} to {to}");
         let key = session.document().shot().layers[0].pins[0].keys[0];

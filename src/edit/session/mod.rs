@@ -8,6 +8,7 @@ mod curves;
 mod export_run;
 mod gesture;
 mod handles;
+mod key_steps;
 mod keying;
 mod painting;
 mod placing;
@@ -18,6 +19,7 @@ mod shown;
 
 pub use arrange::MatteChoice;
 pub(crate) use export_run::EXPORTS;
+pub use key_steps::KeyStep;
 pub use keying::EasePreset;
 pub use painting::Brush;
 pub(crate) use painting::{BRUSH_RADII, BRUSH_STIFFNESSES};
@@ -35,7 +37,7 @@ use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
 use super::{Document, EditError};
 use crate::raster::DeviceChoice;
-use crate::shot::{PinKey, Shot, ShotError};
+use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -93,8 +95,8 @@ pub struct Session {
     is_written: bool,
     fault: Option<String>,
     message: Option<String>,
-    /// Copied keys, with the names of their pins.
-    copied: Vec<(String, Vec<PinKey>)>,
+    /// Copied keys.
+    copied: Vec<clipboard::Copied>,
     run: Option<RenderRun>,
     /// Receives the output of a running export.
     export: Option<std::sync::mpsc::Receiver<String>>,

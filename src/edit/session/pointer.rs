@@ -3,15 +3,14 @@
 //! In: pointer positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
 use super::gesture::{Gesture, Painting};
-use super::handles::axes_of;
 use super::painting::BRUSH_RADII;
 use super::shown::Wipe;
 use super::{Purpose, Session};
 use crate::edit::EditError;
 use crate::edit::track::{Move, PinScale, key_time, moved};
+use crate::edit::track_keys::{Track, TrackKeys};
 use crate::pipeline::LayerMarks;
-use crate::shot::edit::put_handle;
-use crate::shot::{PinKey, PinRegion, Shot};
+use crate::shot::{PinRegion, Shot};
 use crate::space::ScreenPoint;
 use crate::spelling::other_side;
 use glam::DVec2;
@@ -327,37 +326,22 @@ impl Session {
     /// Commits a drag to the document.
     fn commit_series(&mut self, what: &str, base: &Shot, series: Option<&str>) {
         let Some(shot) = self.dragged.clone() else { return };
-        let mut keys: Vec<([usize; 2], Vec<PinKey>)> = Vec::new();
-        let all = self.selection.pins.iter().copied().chain(self.counterparts(base));
-        for [layer, pin] in all {
-            let new = &shot.layers[layer].pins[pin].keys;
-            if *new != base.layers[layer].pins[pin].keys {
-                keys.push(([layer, pin], new.clone()));
-            }
-        }
-        let mut text = Ok(self.document.text().to_owned());
-        for &(layer, index) in &self.selection.handles {
-            let owner = &shot.layers[layer];
-            let Some(track) = owner.handles.iter().find(|track| track.index == index) else { continue };
-            text = text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, &index), &track.keys));
-        }
-        let things = match (keys.len(), self.selection.handles.len()) {
+        let pins = self.selection.pins.iter().copied().chain(self.counterparts(base)).map(Track::Pin);
+        let handles = self.selection.handles.iter().copied().map(Track::Handle);
+        let changed = |track: Track| {
+            let keys = track.keys(&shot)?;
+            (track.keys(base).as_ref() != Some(&keys)).then_some((track, keys))
+        };
+        let keys: Vec<(Track, TrackKeys)> = pins.chain(handles).filter_map(changed).collect();
+        let count = keys.iter().filter(|(track, _)| matches!(track, Track::Pin(_))).count();
+        let things = match (count, self.selection.handles.len()) {
             (1, 0) => "pin",
             (_, 0) => "pins",
             (0, _) => "handles",
             _ => "pins and handles",
         };
         let label = format!("{what} {things}");
-        if self.selection.handles.is_empty() {
-            self.write_keys(&label, &keys, series);
-        } else {
-            for (at, keys) in &keys {
-                let Some((layer, pin)) = self.names_of(*at) else { continue };
-                let name = crate::shot::edit::PinName { layer: &layer, pin: &pin };
-                text = text.and_then(|text| crate::shot::edit::put_keys(&text, name, keys));
-            }
-            self.change(&label, text, series);
-        }
+        self.write_keys(&label, &keys, series);
     }
 
     /// Returns the target of the single selected pin.

@@ -4,6 +4,7 @@
 
 mod accessible;
 mod actions;
+mod arrow_keys;
 mod browser;
 mod brush;
 mod bundled;
