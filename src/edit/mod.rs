@@ -27,6 +27,7 @@ mod tour;
 mod track;
 mod track_curve;
 mod track_keys;
+mod view_settings;
 mod worker;
 mod zoom;
 
@@ -52,5 +53,6 @@ pub(crate) use shortcuts::{Chord, Shortcuts};
 pub(crate) use tour::Tour;
 pub(crate) use track::AutoKey;
 pub use track_keys::Track;
+pub(crate) use view_settings::{Brightness, PanelSizes, ViewSettings};
 pub use worker::SolvedFrame;
 pub use zoom::{Lens, Zoom};

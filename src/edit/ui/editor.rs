@@ -2,6 +2,7 @@
 
 use super::browser::{Browser, Choice, Purpose};
 use super::dialogs::Answer;
+use super::kept_view::KeptView;
 use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
@@ -10,7 +11,7 @@ use super::{
     bundled, dialogs, inspector, key_window, keys, layers, menus, nudges, start, theme, tour_window, viewport,
 };
 use crate::edit::{
-    Action, DiskChange, Document, EditError, Reference, Session, Shortcuts, Tour, Unfinished, unfinished,
+    Action, DiskChange, Document, EditError, PanelSizes, Reference, Session, Shortcuts, Tour, Unfinished, unfinished,
 };
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
@@ -26,6 +27,7 @@ enum Deferred {
 pub struct Editor {
     pub(super) options: EditorOptions,
     pub(super) shortcuts: Shortcuts,
+    view: KeptView,
     pub(super) session: Option<Session>,
     left: Vec<Unfinished>,
     fault: Option<String>,
@@ -46,6 +48,14 @@ impl Editor {
     /// Starts without an open document.
     #[must_use]
     pub fn new(ctx: &egui::Context, options: EditorOptions) -> Self {
+        let (view, fault) = KeptView::read(ctx, options.view());
+        let mut editor = Self::with_view(ctx, options, view);
+        editor.fault = editor.fault.or(fault);
+        editor
+    }
+
+    /// Starts without an open document, with a view.
+    pub(super) fn with_view(ctx: &egui::Context, options: EditorOptions, view: KeptView) -> Self {
         theme::install(ctx);
         let (shortcuts, fault) = match Shortcuts::read(&options.keys()) {
             Ok(shortcuts) => (shortcuts, None),
@@ -55,6 +65,7 @@ impl Editor {
         Self {
             options,
             shortcuts,
+            view,
             session: None,
             left,
             fault,
@@ -95,15 +106,20 @@ impl Editor {
     /// Starts editing a document.
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
         document.keep_journal(&self.options.journals());
-        let wake = ctx.clone();
-        self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
-        (self.textures, self.timeline, self.fault) = (Textures::default(), Timeline::default(), None);
+        self.begin_unjournaled(ctx, document);
+        (self.textures, self.timeline) = (Textures::default(), Timeline::default());
+        if let (Some(session), Some(fault)) = (&mut self.session, self.fault.take()) {
+            // What was wrong at the start is told once.
+            session.say(fault);
+        }
     }
 
     /// Starts editing a document without a journal, leaving nothing on disk.
     pub(super) fn begin_unjournaled(&mut self, ctx: &egui::Context, document: Document) {
         let wake = ctx.clone();
-        self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
+        let mut session = Session::new(document, self.options.device.clone(), move || wake.request_repaint());
+        session.shown = self.view.settings.shown;
+        self.session = Some(session);
     }
 
     fn try_open(&mut self, ctx: &egui::Context, path: &Path) {
@@ -155,27 +171,30 @@ impl Editor {
                 let window = ctx.content_rect().size();
                 let height = (0.25 * window.y).clamp(130.0, 220.0);
                 let width = (0.19 * window.x).clamp(200.0, 262.0);
-                Panel::bottom("timeline").resizable(true).default_size(height).size_range(110.0..=520.0).show(
-                    ui,
-                    |ui| {
-                        ui.add_space(3.0);
-                        self.timeline.show(ui, session, now);
-                    },
-                );
-                Panel::left("layers")
-                    .default_size(width)
-                    .size_range(200.0..=420.0)
-                    .show(ui, |ui| layers::show(ui, session));
-                Panel::right("pin")
-                    .default_size(width)
-                    .size_range(200.0..=420.0)
-                    .show(ui, |ui| inspector::show(ui, session));
+                let kept = self.view.settings.panels;
+                let panel = Panel::bottom("timeline").resizable(true).default_size(kept.timeline.unwrap_or(height));
+                let timeline = panel.size_range(110.0..=520.0).show(ui, |ui| {
+                    ui.add_space(3.0);
+                    self.timeline.show(ui, session, now);
+                });
+                let side = |panel: Panel, size: Option<f32>| {
+                    panel.default_size(size.unwrap_or(width)).size_range(200.0..=420.0)
+                };
+                let layers = side(Panel::left("layers"), kept.layers).show(ui, |ui| layers::show(ui, session));
+                let inspector = side(Panel::right("pin"), kept.inspector).show(ui, |ui| inspector::show(ui, session));
+                let sizes = PanelSizes {
+                    timeline: Some(timeline.response.rect.height()),
+                    layers: Some(layers.response.rect.width()),
+                    inspector: Some(inspector.response.rect.width()),
+                };
+                self.view.see_panels(&ctx, sizes);
                 let central = CentralPanel::no_frame().frame(Frame::NONE);
                 central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
                 nudges::show(&ctx, session);
             }
         }
         self.windows(&ctx);
+        self.view.keep(&ctx, self.session.as_ref().map(|session| session.shown));
         self.close(&ctx);
     }
 

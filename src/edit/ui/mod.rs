@@ -14,6 +14,7 @@ mod editor;
 mod frame_scale;
 mod icons;
 mod inspector;
+mod kept_view;
 mod key_window;
 mod keys;
 mod lattice_panel;
