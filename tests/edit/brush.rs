@@ -138,3 +138,22 @@ fn a_held_key_sizes_the_brush_beside_pins() {
     assert!((session.brush.radius - 0.15).abs() < 1e-9, "{:?}", session.brush);
     assert_eq!(session.document().text(), SHOT);
 }
+
+#[test]
+fn with_mirrored_edits_the_brush_paints_both_sides_at_once() {
+    let (_stage, mut session) = Stage::open();
+    session.brush.radius = 0.06;
+    session.mirrors = true;
+    // The left card stands about x = -0.4; its middle is at 0.49 of the frame's height.
+    paint(&mut session, &[[0.3, 0.5], [0.35, 0.5]], false);
+    let strokes = &session.document().shot().layers[0].strokes;
+    assert_eq!(strokes.len(), 2, "{strokes:?}");
+    let [own, mirrored] = [0, 1].map(|index| &strokes[index].points);
+    assert_eq!(own.len(), mirrored.len());
+    for (a, b) in own.iter().zip(mirrored) {
+        assert!((a[0] + b[0] + 0.8).abs() < 5e-3 && (a[1] - b[1]).abs() < 5e-3, "{a:?} {b:?}");
+    }
+    assert!(stiffest(&session).iter().all(|most| *most > 4.0), "{:?}", stiffest(&session));
+    session.undo();
+    assert_eq!(session.document().text(), SHOT, "one change");
+}

@@ -270,7 +270,7 @@ impl Session {
             Reply::Drawn(picture) => self.take_picture(picture),
             Reply::Before(picture) => self.before = Some(picture),
             Reply::Picked(id, point) => self.picked(id, point),
-            Reply::Brushed(id, point) => self.brushed(id, point),
+            Reply::Brushed { id, point, mirrored } => self.brushed(id, point.map(|point| (point, mirrored))),
             Reply::Painted { revision, frame, triangles } => self.take_painted((revision, frame), triangles),
             Reply::Progress(part) => self.progress = (part < 1.0).then_some(part),
             Reply::Failed(text) => {
