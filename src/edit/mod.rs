@@ -13,6 +13,7 @@
 mod command;
 mod curve;
 mod document;
+mod dropped;
 mod error;
 mod history;
 mod journal;
@@ -36,6 +37,7 @@ pub mod ui;
 pub use command::{Command, merged};
 pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};
+pub(crate) use dropped::Dropped;
 pub use error::EditError;
 pub use history::History;
 pub(crate) use journal::{Unfinished, unfinished};

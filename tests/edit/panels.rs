@@ -4,7 +4,44 @@ use crate::stage::{PINS, SHOT, Stage};
 use crate::window::{Window, place, pointer, session, settled, until, window};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::Queryable;
+use pinwarp::image::{Preview, write_png};
 use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A file as the window system hands it over.
+#[derive(Debug)]
+struct Handed(PathBuf);
+
+impl egui::DroppedFile for Handed {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn of_files_dropped_at_once_one_is_opened_and_a_picture_lies_over_it() {
+    let stage = Stage::new();
+    let folder = stage.folder.path();
+    let picture = Preview::transparent(16, 9);
+    for name in ["draw.0001.png", "draw.0002.png", "other.png"] {
+        write_png(&folder.join(name), &picture).expect("written");
+    }
+    fs::write(folder.join("broken.toml"), "scene = ").expect("written");
+    let mut window = window(&stage.state(), None);
+    let names = ["draw.0002.png", "notes.txt", "broken.toml", "cards.gltf", "draw.0001.png", "other.png", "shot.toml"];
+    let files = names.map(|name| Arc::new(Handed(folder.join(name))) as egui::DroppedFileHandle);
+    window.input_mut().dropped_files.extend(files);
+    window.run_steps(3);
+    assert_eq!(session(&window).document().path(), stage.shot());
+    let told = session(&window).message().unwrap_or_default().to_owned();
+    assert!(told.contains("draw.####.png lies over the picture"), "{told}");
+    assert!(told.ends_with("Not used: broken.toml, other.png, notes.txt"), "{told}");
+}
 
 fn key(window: &mut Window, key: Key, pressed: bool) {
     let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);

@@ -11,15 +11,16 @@ use super::{
     bundled, dialogs, inspector, key_window, keys, layers, menus, nudges, start, theme, tour_window, viewport,
 };
 use crate::edit::{
-    Action, DiskChange, Document, EditError, PanelSizes, Reference, Session, Shortcuts, Tour, Unfinished, unfinished,
+    Action, DiskChange, Document, Dropped, EditError, PanelSizes, Reference, Session, Shortcuts, Tour, Unfinished,
+    unfinished,
 };
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
 /// The operation deferred until the user has decided about unsaved work.
 #[derive(Clone, Debug, PartialEq)]
-enum Deferred {
-    Open(PathBuf),
+pub(super) enum Deferred {
+    Open(Dropped),
     Quit,
 }
 
@@ -40,7 +41,7 @@ pub struct Editor {
     tour: Option<Tour>,
     pub(super) shows_render: bool,
     conflict: Option<String>,
-    unsaved: Option<Deferred>,
+    pub(super) unsaved: Option<Deferred>,
     may_close: bool,
 }
 
@@ -122,15 +123,7 @@ impl Editor {
         self.session = Some(session);
     }
 
-    fn try_open(&mut self, ctx: &egui::Context, path: &Path) {
-        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
-            self.unsaved = Some(Deferred::Open(path.to_owned()));
-        } else if let Err(error) = self.open(ctx, path) {
-            self.show_error(&error);
-        }
-    }
-
-    fn show_error(&mut self, error: &EditError) {
+    pub(super) fn show_error(&mut self, error: &EditError) {
         match &mut self.session {
             Some(session) => session.say(error.to_string()),
             None => self.fault = Some(error.to_string()),
@@ -265,14 +258,6 @@ impl Editor {
         self.browser = Some(Browser::new(purpose, &near));
     }
 
-    /// Handles files dropped on the window.
-    fn drops(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).next());
-        if let Some(path) = dropped {
-            self.try_open(ctx, &path);
-        }
-    }
-
     fn look_at_disk(&mut self) {
         if self.conflict.is_some() || !self.session.as_mut().is_some_and(Session::take_written) {
             return;
@@ -329,7 +314,7 @@ impl Editor {
 
     fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: &Path) {
         match (purpose, &mut self.session) {
-            (Purpose::Open, _) => self.try_open(ctx, path),
+            (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
             (Purpose::SaveAs, Some(session)) => {
                 if let Err(error) = session.save_as(path) {
                     self.show_error(&error);
@@ -374,11 +359,7 @@ impl Editor {
             return;
         }
         match deferred {
-            Deferred::Open(path) => {
-                if let Err(error) = self.open(ctx, &path) {
-                    self.show_error(&error);
-                }
-            }
+            Deferred::Open(files) => self.open_files(ctx, files),
             Deferred::Quit => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -10,6 +10,7 @@ mod brush;
 mod bundled;
 mod curves;
 mod dialogs;
+mod drops;
 mod editor;
 mod frame_scale;
 mod icons;
