@@ -10,6 +10,7 @@
 //!             Worker: OpenShot ─▶ TimeSample ─▶ Frame
 //! ```
 
+mod axis_ring;
 mod command;
 mod curve;
 mod document;
@@ -34,6 +35,7 @@ mod zoom;
 
 pub mod ui;
 
+pub(crate) use axis_ring::AxisRing;
 pub use command::{Command, merged};
 pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};

@@ -25,6 +25,8 @@ pub(in crate::edit) enum Move {
     By(DVec2),
     /// Rotation in degrees, counter-clockwise.
     Turn(f64),
+    /// Rotation about one of three axes of the scene, in degrees.
+    TurnAbout(usize, f64),
     /// Scale factor.
     Grow(f64),
 }
@@ -35,6 +37,9 @@ impl Move {
         match self {
             Self::By(by) => Self::By(DVec2::new(-by.x, by.y)),
             Self::Turn(degrees) => Self::Turn(-degrees),
+            // A reflection across x keeps the sense of turns about x.
+            Self::TurnAbout(0, degrees) => Self::TurnAbout(0, degrees),
+            Self::TurnAbout(axis, degrees) => Self::TurnAbout(axis, -degrees),
             Self::Grow(factor) => Self::Grow(factor),
         }
     }
@@ -143,6 +148,16 @@ fn changed(key: &PinKey, change: Move, strength: f64, (unit, scale): (OffsetUnit
             };
             key.rotate_degrees = Some(Rotation::InView(round(old + degrees / strength, 1e3)));
         }
+        Move::TurnAbout(axis, degrees) => {
+            let mut angles = match key.rotate_degrees {
+                None => [0.0; 3],
+                Some(Rotation::Axes(angles)) => angles,
+                Some(Rotation::InView(_)) => return None,
+            };
+            let angle = angles.get_mut(axis)?;
+            *angle = round(*angle + degrees / strength, 1e3);
+            key.rotate_degrees = Some(Rotation::Axes(angles));
+        }
         Move::Grow(factor) => {
             let log_scale = key.scale.unwrap_or(1.0).ln() + factor.ln() / strength;
             key.scale = Some(round(log_scale.exp().clamp(0.01, 100.0), 1e4));
@@ -226,6 +241,20 @@ mod tests {
         let shot = shot("step = 2");
         let layer = &shot.layers[0];
         assert_eq!([7, 8, 9].map(|frame| key_time(&shot.frames, layer, frame)), [7.0, 7.0, 9.0]);
+    }
+
+    #[test]
+    fn rings_turn_about_one_axis_and_are_mirrored() {
+        let mut shot = shot("");
+        let own = &mut shot.layers[0].pins[0];
+        own.keys = vec![PinKey { rotate_degrees: Some(Rotation::Axes([10.0, 20.0, 30.0])), ..own.keys[0] }];
+        let turned = |change: Move| {
+            let keys = moved(&shot, [0, 0], (1.0, AutoKey::On), change, PinScale::default()).expect("three angles");
+            keys[0].rotate_degrees
+        };
+        assert_eq!(turned(Move::TurnAbout(1, 5.0)), Some(Rotation::Axes([10.0, 25.0, 30.0])));
+        assert_eq!(turned(Move::TurnAbout(2, 5.0).mirrored()), Some(Rotation::Axes([10.0, 20.0, 25.0])));
+        assert_eq!(turned(Move::TurnAbout(0, 5.0).mirrored()), Some(Rotation::Axes([15.0, 20.0, 30.0])));
     }
 
     #[test]

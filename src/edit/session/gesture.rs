@@ -1,5 +1,6 @@
 //! The pointer gesture in progress.
 
+use crate::edit::AxisRing;
 use crate::shot::{BrushStroke, Shot};
 use crate::space::ScreenPoint;
 use std::sync::Arc;
@@ -24,6 +25,17 @@ pub(super) enum Gesture {
     /// Centre of the rotation.
     Turn {
         center: ScreenPoint,
+        from: ScreenPoint,
+        base: Arc<Shot>,
+    },
+    /// Turns a pin about an axis of the scene.
+    TurnAbout {
+        /// The centre of the rings, and their radius in frame heights.
+        center: ScreenPoint,
+        radius: f64,
+        /// The axis, by its place and as it was when the drag began.
+        axis: usize,
+        ring: AxisRing,
         from: ScreenPoint,
         base: Arc<Shot>,
     },

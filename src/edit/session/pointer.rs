@@ -65,10 +65,10 @@ impl Session {
     pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
         self.playhead.go(self.playhead.frame());
         let base = Arc::new(self.document.shot().clone());
-        if let Some(center) = self.ring_center().filter(|_| held.part == PinPart::Target)
-            && ((at - center).0.length() - ring.radius).abs() <= ring.reach
+        if held.part == PinPart::Target
+            && let Some(gesture) = self.turn_at(at, ring, &base)
         {
-            self.gesture = Gesture::Turn { center, from: at, base };
+            self.gesture = gesture;
             return;
         }
         if let Some((pin, rest)) = self.pin_near(at, reach) {
@@ -162,6 +162,12 @@ impl Session {
                 };
                 self.show_dragged(grown);
             }
+            Gesture::TurnAbout { center, radius, axis, ring, from, base } => {
+                let ([start, now], base) = ([*from, to].map(|point| (point - *center).0 / *radius), Arc::clone(base));
+                let change = Move::TurnAbout(*axis, ring.angle(start, now).to_degrees());
+                let turned = self.dragged_shot(&base, change);
+                self.show_dragged(turned);
+            }
             Gesture::Region { pin: [layer, pin], rest, base } => {
                 let radius = (to - *rest).0.length().clamp(RADII[0], RADII[1]);
                 let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
@@ -206,7 +212,7 @@ impl Session {
                 self.commit("Move", &base);
                 self.explain_lone_pin();
             }
-            Gesture::Turn { base, .. } => self.commit("Turn", &base),
+            Gesture::Turn { base, .. } | Gesture::TurnAbout { base, .. } => self.commit("Turn", &base),
             Gesture::Region { pin, .. } | Gesture::Stiffness { pin, .. } => {
                 let region = self.shot().layers.get(pin[0]).and_then(|layer| layer.pins.get(pin[1])?.region);
                 self.document.end_series();
@@ -342,14 +348,6 @@ impl Session {
         };
         let label = format!("{what} {things}");
         self.write_keys(&label, &keys, series);
-    }
-
-    /// Returns the target of the single selected pin.
-    #[must_use]
-    pub(crate) fn ring_center(&self) -> Option<ScreenPoint> {
-        let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.pins && !self.shown.is_hidden)?;
-        let marks = self.marks_of(layer)?;
-        marks.pins.iter().find(|mark| mark.pin == pin).map(|mark| mark.target)
     }
 
     /// Returns the nearest pin and its rest position.
