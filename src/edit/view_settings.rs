@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn broken_files_mean_the_usual_settings_and_strange_ones_are_limited() {
-        for text in ["", "{", "[]", "{\"theme\": 7}", "{\"shown\": {\"onion\": \"yes\"}}", "\u{0}\u{1}"] {
+        for text in ["", "{", "7", "{\"theme\": 7}", "{\"shown\": {\"onion\": \"yes\"}}", "\u{0}\u{1}"] {
             let (settings, fault) = read(text);
             assert_eq!(settings, ViewSettings::default(), "{text}");
             assert!(fault.is_some_and(|fault| fault.contains("view.json")), "{text}");

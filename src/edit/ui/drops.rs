@@ -6,7 +6,7 @@ use super::editor::{Deferred, Editor};
 use crate::edit::{Dropped, EditError, Reference};
 use crate::shot::Source;
 use eframe::egui;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 impl Editor {
     /// Handles files dropped on the window.
@@ -68,7 +68,7 @@ impl Editor {
             unused.retain(|path| path.file_name() != scene.file_name());
         }
         if !unused.is_empty() {
-            told.push(format!("Not used: {}", unused.iter().map(name).collect::<Vec<_>>().join(", ")));
+            told.push(format!("Not used: {}", unused.iter().map(|path| name(path)).collect::<Vec<_>>().join(", ")));
         }
         if !told.is_empty() {
             session.say(told.join(" "));
@@ -76,6 +76,6 @@ impl Editor {
     }
 }
 
-fn name(path: &PathBuf) -> String {
+fn name(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
