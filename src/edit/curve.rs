@@ -33,7 +33,7 @@ impl Channel {
             Self::X => "x",
             Self::Y => "y",
             Self::Z => "z",
-            Self::Rotation => "rotation, \u{b0}",
+            Self::Rotation => "rotation",
             Self::Scale => "scale",
         }
     }

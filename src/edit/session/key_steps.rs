@@ -63,28 +63,64 @@ impl Session {
     /// Raises the selected keys in a channel by a number of its smallest steps. Consecutive changes are one undo step.
     pub fn raise_keys(&mut self, channel: Channel, steps: f64) {
         let Some(&(track, _)) = self.selection.keys.last() else { return self.say("No key is selected.") };
-        let (by, lines) = (steps * self.value_step(track, channel), self.lines());
+        let (by, lines) = (steps * self.unit_of(track, channel).step(), self.lines());
         let tracks: Vec<Track> = self.selection.keyed().into_iter().collect();
         let series = format!("raise keys {tracks:?} {channel:?}");
         self.change_keys("Change keys", Some(&series), |keys, times| keys.raised(times, channel, (by, lines)));
     }
 
-    /// Returns the smallest step of a channel: a pixel, a degree, a hundredth of a scene's unit or factor, a thousandth
-    /// of the lattice's box.
-    fn value_step(&self, track: Track, channel: Channel) -> f64 {
-        let keys = match track {
-            Track::Handle(_) => return 0.1,
+    /// Returns the unit in which a channel of a pin or handle is shown.
+    #[must_use]
+    pub(crate) fn unit_of(&self, track: Track, channel: Channel) -> CurveUnit {
+        let pin = match track {
+            Track::Handle(_) => return CurveUnit::Percent,
             Track::Pin([layer, pin]) => self.shot().layers.get(layer).and_then(|layer| layer.pins.get(pin)),
         };
-        let is_on_screen = keys.is_some_and(|pin| {
-            let goal = pin.keys.first().map(|key| key.goal);
-            pin.unit == OffsetUnit::Frame && matches!(goal, Some(Goal::Offset(_) | Goal::Target(_)))
-        });
-        match channel {
-            Channel::Scale => 0.01,
-            Channel::Rotation => 1.0,
-            Channel::X | Channel::Y | Channel::Z if is_on_screen => 1.0,
-            Channel::X | Channel::Y | Channel::Z => 0.01,
+        let key = pin.and_then(|pin| Some((pin.unit, pin.keys.first()?.goal)));
+        match (channel, key) {
+            (Channel::Scale, _) => CurveUnit::Factor,
+            (Channel::Rotation, _) => CurveUnit::Degrees,
+            (_, Some((_, Goal::SceneTarget(_)) | (OffsetUnit::Frame, Goal::SceneOffset(_)))) => CurveUnit::Metres,
+            (_, Some((OffsetUnit::Box, Goal::SceneOffset(_)))) => CurveUnit::Boxes,
+            _ => CurveUnit::Pixels,
+        }
+    }
+}
+
+/// The unit of a curve's values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CurveUnit {
+    /// Pixels of the frame.
+    Pixels,
+    /// Metres of the scene.
+    Metres,
+    /// Sizes of the lattice's box.
+    Boxes,
+    /// Hundredths of the size of the lattice's box.
+    Percent,
+    Degrees,
+    Factor,
+}
+
+impl CurveUnit {
+    /// Returns the amount by which a press of an arrow key changes a value.
+    pub(crate) const fn step(self) -> f64 {
+        match self {
+            Self::Pixels | Self::Degrees => 1.0,
+            Self::Percent => 0.1,
+            Self::Metres | Self::Boxes | Self::Factor => 0.01,
+        }
+    }
+
+    /// Returns the display name; empty for factors.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Pixels => "px",
+            Self::Metres => "m",
+            Self::Boxes => "of the box",
+            Self::Percent => "% of the box",
+            Self::Degrees => "\u{b0}",
+            Self::Factor => "",
         }
     }
 }

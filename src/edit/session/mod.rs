@@ -20,6 +20,7 @@ mod shown;
 
 pub use arrange::MatteChoice;
 pub(crate) use export_run::EXPORTS;
+pub(crate) use key_steps::CurveUnit;
 pub use key_steps::KeyStep;
 pub use keying::EasePreset;
 pub use painting::Brush;

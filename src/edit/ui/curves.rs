@@ -6,7 +6,7 @@ use super::accessible::{self, Part};
 use super::arrow_keys::{self, Arrow, With};
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
-use crate::edit::{Channel, KeyStep, Session, Tangent, Track};
+use crate::edit::{Channel, CurveUnit, KeyStep, Session, Tangent, Track};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2,
     WidgetInfo, pos2, vec2,
@@ -110,8 +110,8 @@ impl CurveView {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, "Curves of keys"));
         let names = Rect::from_min_max(rect.min, pos2(rect.left() + NAMES - 8.0, rect.bottom()));
-        ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui));
         let curves = self.curves(session, scale);
+        ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui, session, &curves));
         let axis = self.drag.map_or_else(|| axis_of(&curves, rect.shrink2(vec2(0.0, 10.0))), |drag| drag.axis);
         let plot = Rect::from_min_max(pos2(rect.left() + NAMES, rect.top()), rect.max);
         let painter = ui.painter_at(rect);
@@ -215,7 +215,7 @@ impl CurveView {
         }
     }
 
-    fn kinds(&mut self, ui: &mut Ui) {
+    fn kinds(&mut self, ui: &mut Ui, session: &Session, curves: &[Curve]) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().button_padding.x = 4.0;
             ui.spacing_mut().item_spacing.x = 3.0;
@@ -225,8 +225,14 @@ impl CurveView {
                 }
             }
         });
-        for channel in self.kind.channels() {
-            ui.colored_label(color(*channel), channel.name());
+        for &channel in self.kind.channels() {
+            let own = curves.iter().filter(|curve| curve.channel == channel);
+            let units: Vec<CurveUnit> = own.map(|curve| session.unit_of(curve.track, channel)).collect();
+            let Some(&unit) = units.first() else { continue };
+            // Curves of pins and handles may have different units.
+            let unit = if units.iter().all(|other| *other == unit) { unit.name() } else { "" };
+            let comma = if unit.is_empty() { "" } else { ", " };
+            ui.colored_label(color(channel), format!("{}{comma}{unit}", channel.name()));
         }
     }
 
