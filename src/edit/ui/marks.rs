@@ -217,12 +217,11 @@ impl Over<'_> {
     fn axis_ring(&self, center: Pos2, ring: AxisRing, color: Color32) {
         let points: Vec<(Pos2, bool)> =
             ring.points().map(|at| (center + RING * vec2(at.x as f32, -at.y as f32), at.z >= 0.0)).collect();
-        for pair in points.windows(2) {
-            let is_near = pair[0].1 && pair[1].1;
-            let line = [pair[0].0, pair[1].0];
-            if is_near {
-                self.painter.line_segment(line, Stroke::new(4.0, Color32::from_black_alpha(60)));
-            }
+        let pieces = || points.windows(2).map(|pair| ([pair[0].0, pair[1].0], pair[0].1 && pair[1].1));
+        for (line, _) in pieces().filter(|(_, is_near)| *is_near) {
+            self.painter.line_segment(line, Stroke::new(4.0, Color32::from_black_alpha(60)));
+        }
+        for (line, is_near) in pieces() {
             let (width, color) = if is_near { (2.0, color) } else { (1.0, color.gamma_multiply(0.35)) };
             self.painter.line_segment(line, Stroke::new(width, color));
         }
