@@ -60,7 +60,7 @@ pub(crate) use run::resume::{Todo, refuse_existing};
 pub(crate) use run::sequence_report::{LayerPeaks, Peak, SequenceReport};
 pub use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
 pub use trajectories::trajectory_files::Keeping;
-pub use viewer::brush_point::BrushPoint;
+pub use viewer::brush_point::{BrushPoint, PaintedPlace};
 pub use viewer::layer_marks::{LayerMarks, PinMark, layer_marks, resting_marks};
 pub use viewer::new_shot::{NewShot, new_shot, path_between};
 pub use viewer::open_shot::{OpenShot, Rework};

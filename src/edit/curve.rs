@@ -1,20 +1,23 @@
-//! The keys of a pin as animation curves.
+//! The keys of a pin or handle as animation curves.
 //!
-//! In: keys, a channel. Out: values in display units (pixels, degrees, factors), and keys with changed values.
+//! In: keys, a channel. Out: values in display units (pixels, degrees, factors, per cent), and keys with changed values.
 
-use super::track::{KeyEdit, key_at, with_key};
-use crate::shot::{Ease, Goal, PinKey, Rotation, Shot};
+use super::track::{handle_key_at, key_at};
+use super::track_keys::{KeyEdit, TimedKey, Track, with_key};
+use crate::shot::{Ease, Goal, HandleKey, LayerSpace, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
 
-/// An animated value of a pin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// An animated value of a pin or handle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
-    /// The target's x: rightwards, in pixels; of keys in the scene, in their own unit.
+    /// The target's x: rightwards, in pixels; of keys in the scene, in their own unit; of handles in per cent of
+    /// the lattice's box.
     X,
-    /// The target's y: upwards, in pixels; of keys in the scene, in their own unit.
+    /// The target's y: upwards, in pixels; of keys in the scene, in their own unit; of handles in per cent of
+    /// the lattice's box.
     Y,
-    /// The target's z, of keys in the scene.
+    /// The target's z, of keys in the scene and of handles there.
     Z,
     /// Rotation in degrees, counter-clockwise.
     Rotation,
@@ -30,14 +33,24 @@ impl Channel {
             Self::X => "x",
             Self::Y => "y",
             Self::Z => "z",
-            Self::Rotation => "rotation, \u{b0}",
+            Self::Rotation => "rotation",
             Self::Scale => "scale",
         }
     }
 
-    /// Returns a key's value; `None` if it has none. `lines`: frame height in pixels.
+    /// Returns the coordinate of a position that it is.
+    const fn axis(self) -> Option<usize> {
+        match self {
+            Self::X => Some(0),
+            Self::Y => Some(1),
+            Self::Z => Some(2),
+            Self::Rotation | Self::Scale => None,
+        }
+    }
+
+    /// Returns a pin key's value; `None` if it has none. `lines`: frame height in pixels.
     #[must_use]
-    pub(crate) fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
+    fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
         let place = match key.goal {
             Goal::Offset(ScreenVector(place)) | Goal::Target(ScreenPoint(place)) => {
                 [Some(place.x * lines), Some(place.y * lines), None]
@@ -56,7 +69,7 @@ impl Channel {
 
     /// Returns the key with another value, clamped to the valid range.
     #[must_use]
-    pub(crate) fn put(self, key: &PinKey, value: f64, lines: f64) -> PinKey {
+    fn put(self, key: &PinKey, value: f64, lines: f64) -> PinKey {
         let mut key = *key;
         let height = (value / lines * 1e6).round() / 1e6;
         let moved = |old: DVec2| match self {
@@ -64,11 +77,9 @@ impl Channel {
             _ => DVec2::new(old.x, height),
         };
         let in_scene = |mut old: [f64; 3]| {
-            old[match self {
-                Self::X => 0,
-                Self::Y => 1,
-                _ => 2,
-            }] = (value * 1e6).round() / 1e6;
+            if let Some(axis) = self.axis() {
+                old[axis] = (value * 1e6).round() / 1e6;
+            }
             old
         };
         match (self, key.goal) {
@@ -83,12 +94,61 @@ impl Channel {
     }
 }
 
-/// Samples a channel's curve at some times as (time, value); empty if the pin does not use the channel.
+/// A key whose values are shown as curves.
+pub(in crate::edit) trait CurveKey: TimedKey {
+    /// Returns its value in a channel; `None` if it has none. `lines`: frame height in pixels.
+    fn value(&self, channel: Channel, lines: f64) -> Option<f64>;
+    /// Returns it with another value, clamped to the valid range.
+    fn with_value(&self, channel: Channel, value: f64, lines: f64) -> Self;
+}
+
+impl CurveKey for PinKey {
+    fn value(&self, channel: Channel, lines: f64) -> Option<f64> {
+        channel.of(self, lines)
+    }
+
+    fn with_value(&self, channel: Channel, value: f64, lines: f64) -> Self {
+        channel.put(self, value, lines)
+    }
+}
+
+impl CurveKey for HandleKey {
+    fn value(&self, channel: Channel, _: f64) -> Option<f64> {
+        Some(100.0 * self.offset[channel.axis()?])
+    }
+
+    fn with_value(&self, channel: Channel, value: f64, _: f64) -> Self {
+        let mut key = *self;
+        if let Some(axis) = channel.axis() {
+            key.offset[axis] = (value * 1e4).round() / 1e6;
+        }
+        key
+    }
+}
+
+/// Samples a channel's curve at some times as (time, value); empty if the pin or handle does not use the channel.
 #[must_use]
-pub(in crate::edit) fn samples(shot: &Shot, at: [usize; 2], channel: Channel, times: &[f64]) -> Vec<[f64; 2]> {
+pub(in crate::edit) fn samples(shot: &Shot, track: Track, channel: Channel, times: &[f64]) -> Vec<[f64; 2]> {
+    if !has_channel(shot, track, channel) {
+        return Vec::new();
+    }
     let lines = f64::from(shot.size.height);
-    let value = |&time: &f64| Some([time, channel.of(&key_at(shot, at, time)?, lines)?]);
-    times.iter().filter_map(value).collect()
+    let value = |time: f64| match track {
+        Track::Pin(at) => key_at(shot, at, time)?.value(channel, lines),
+        Track::Handle(at) => handle_key_at(shot, at, time)?.value(channel, lines),
+    };
+    times.iter().filter_map(|&time| Some([time, value(time)?])).collect()
+}
+
+/// Returns whether a pin or handle has keys that can have values in a channel.
+#[must_use]
+pub(in crate::edit) fn has_channel(shot: &Shot, track: Track, channel: Channel) -> bool {
+    let Some(owner) = shot.layers.get(track.layer()) else { return false };
+    match (track, owner.space) {
+        (Track::Pin([_, pin]), _) => pin < owner.pins.len(),
+        (Track::Handle(_), LayerSpace::Screen { .. }) if channel == Channel::Z => false,
+        (Track::Handle((_, index)), _) => owner.handles.iter().any(|handle| handle.index == index),
+    }
 }
 
 /// One Bézier handle of a curve at a key.
@@ -106,12 +166,12 @@ pub struct Tangent {
 
 /// Returns the tangents of a channel at the keys of some times.
 #[must_use]
-pub(in crate::edit) fn tangents(keys: &[PinKey], times: &[f64], channel: Channel, lines: f64) -> Vec<Tangent> {
+pub(in crate::edit) fn tangents<K: CurveKey>(keys: &[K], times: &[f64], channel: Channel, lines: f64) -> Vec<Tangent> {
     let mut found = Vec::new();
     for pair in keys.windows(2) {
-        let ends = [0, 1].map(|end| Some([pair[end].frame, channel.of(&pair[end], lines)?]));
-        let ([Some(start), Some(end)], Some(controls)) = (ends, controls(pair[0].ease)) else { continue };
-        for control in [0, 1].into_iter().filter(|&control| times.contains(&pair[control].frame)) {
+        let ends = [0, 1].map(|end| Some([pair[end].time(), pair[end].value(channel, lines)?]));
+        let ([Some(start), Some(end)], Some(controls)) = (ends, controls(pair[0].ease())) else { continue };
+        for control in [0, 1].into_iter().filter(|&control| times.contains(&pair[control].time())) {
             let part = |axis: usize| start[axis] + controls[2 * control + axis] * (end[axis] - start[axis]);
             found.push(Tangent { key: start[0], control, from: [start, end][control], to: [part(0), part(1)] });
         }
@@ -121,17 +181,17 @@ pub(in crate::edit) fn tangents(keys: &[PinKey], times: &[f64], channel: Channel
 
 /// Returns the ease of a key after a tangent's end is moved to (time, value); `None` if the key holds or is the last.
 #[must_use]
-pub(in crate::edit) fn bent(
-    keys: &[PinKey],
+pub(in crate::edit) fn bent<K: CurveKey>(
+    keys: &[K],
     (key, control): (f64, usize),
     channel: Channel,
     ([time, value], lines): ([f64; 2], f64),
 ) -> Option<Ease> {
-    let pair = keys.windows(2).find(|pair| pair[0].frame == key)?;
-    let mut controls = controls(pair[0].ease)?;
-    let (start, end) = (channel.of(&pair[0], lines)?, channel.of(&pair[1], lines)?);
+    let pair = keys.windows(2).find(|pair| pair[0].time() == key)?;
+    let mut controls = controls(pair[0].ease())?;
+    let (start, end) = (pair[0].value(channel, lines)?, pair[1].value(channel, lines)?);
     let round = |value: f64| (value * 1e3).round() / 1e3;
-    controls[2 * control] = round(((time - pair[0].frame) / (pair[1].frame - pair[0].frame)).clamp(0.0, 1.0));
+    controls[2 * control] = round(((time - pair[0].time()) / (pair[1].time() - pair[0].time())).clamp(0.0, 1.0));
     // Between equal values the tangents are always flat.
     if (end - start).abs() > 1e-6 {
         controls[2 * control + 1] = round(((value - start) / (end - start)).clamp(-10.0, 10.0));
@@ -149,11 +209,20 @@ const fn controls(ease: Ease) -> Option<[f64; 4]> {
     }
 }
 
-/// Returns the keys with the key at time `from` replaced by `key`.
+/// Returns the keys with the key at time `from` at another time, where it does not pass others, and with another value.
 #[must_use]
-pub(in crate::edit) fn with_key_moved(keys: &[PinKey], from: f64, key: PinKey) -> Vec<PinKey> {
+pub(in crate::edit) fn with_key_moved<K: CurveKey>(
+    keys: &[K],
+    from: f64,
+    channel: Channel,
+    ([time, value], lines): ([f64; 2], f64),
+) -> Option<(Vec<K>, f64)> {
+    let place = keys.iter().position(|key| key.time() == from)?;
+    let before = place.checked_sub(1).map_or(f64::NEG_INFINITY, |place| keys[place].time());
+    let after = keys.get(place + 1).map_or(f64::INFINITY, TimedKey::time);
+    let time = if time > before && time < after { time } else { from };
     let rest = if keys.len() > 1 { KeyEdit::Remove.apply(keys, &[from]) } else { Vec::new() };
-    with_key(&rest, key)
+    Some((with_key(&rest, keys[place].with_value(channel, value, lines).at(time)), time))
 }
 
 #[cfg(test)]
@@ -181,11 +250,13 @@ mod tests {
     }
 
     #[test]
-    fn a_key_that_is_moved_keeps_the_order_and_takes_the_place_of_another() {
+    fn a_key_that_is_moved_does_not_pass_another() {
         let keys = [key(1.0, 0.1), key(5.0, 0.5), key(9.0, 0.9)];
-        let moved = with_key_moved(&keys, 5.0, key(9.0, 0.5));
-        assert_eq!(moved, [key(1.0, 0.1), key(9.0, 0.5)]);
-        assert_eq!(with_key_moved(&keys[..1], 1.0, key(4.0, 0.1)), [key(4.0, 0.1)]);
+        let moved = |to: [f64; 2]| with_key_moved(&keys, 5.0, Channel::X, (to, 100.0)).expect("it is there");
+        assert_eq!(moved([7.0, 20.0]), (vec![keys[0], key(7.0, 0.2), keys[2]], 7.0));
+        assert_eq!(moved([9.0, 20.0]), (vec![keys[0], key(5.0, 0.2), keys[2]], 5.0));
+        let alone = with_key_moved(&keys[..1], 1.0, Channel::X, ([4.0, 10.0], 100.0));
+        assert_eq!(alone, Some((vec![key(4.0, 0.1)], 4.0)));
     }
 
     #[test]

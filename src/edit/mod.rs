@@ -10,9 +10,11 @@
 //!             Worker: OpenShot ─▶ TimeSample ─▶ Frame
 //! ```
 
+mod axis_ring;
 mod command;
 mod curve;
 mod document;
+mod dropped;
 mod error;
 mod history;
 mod journal;
@@ -25,14 +27,19 @@ mod session;
 mod shortcuts;
 mod tour;
 mod track;
+mod track_curve;
+mod track_keys;
+mod view_settings;
 mod worker;
 mod zoom;
 
 pub mod ui;
 
+pub(crate) use axis_ring::AxisRing;
 pub use command::{Command, merged};
 pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};
+pub(crate) use dropped::Dropped;
 pub use error::EditError;
 pub use history::History;
 pub(crate) use journal::{Unfinished, unfinished};
@@ -41,13 +48,15 @@ pub use picture::{Picture, Quality};
 pub(crate) use playhead::Pace;
 pub use playhead::Playhead;
 pub(crate) use reference::Reference;
-pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, EXPORTS, Onion, Wipe};
+pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, EXPORTS, Onion, Wipe};
 pub use session::{
-    Brush, EasePreset, Held, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
+    Brush, EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
 };
 pub use shortcuts::Action;
 pub(crate) use shortcuts::{Chord, Shortcuts};
 pub(crate) use tour::Tour;
 pub(crate) use track::AutoKey;
+pub use track_keys::Track;
+pub(crate) use view_settings::{Brightness, PanelSizes, ViewSettings};
 pub use worker::SolvedFrame;
 pub use zoom::{Lens, Zoom};

@@ -1,8 +1,9 @@
-//! Operations on the keys of one pin or handle: drag, nudge, timeline edits.
+//! Drags and nudges of one pin or handle: what they make of its keys.
 //!
-//! In: keys, a time, a change. Out: keys with strictly increasing frames, at least one.
+//! In: keys, a time, a movement. Out: keys with strictly increasing frames, at least one.
 
 use super::EditError;
+use super::track_keys::with_key;
 use crate::shot::{Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::{DVec2, DVec3};
@@ -24,6 +25,8 @@ pub(in crate::edit) enum Move {
     By(DVec2),
     /// Rotation in degrees, counter-clockwise.
     Turn(f64),
+    /// Rotation about one of three axes of the scene, in degrees.
+    TurnAbout(usize, f64),
     /// Scale factor.
     Grow(f64),
 }
@@ -34,6 +37,9 @@ impl Move {
         match self {
             Self::By(by) => Self::By(DVec2::new(-by.x, by.y)),
             Self::Turn(degrees) => Self::Turn(-degrees),
+            // A reflection across x keeps the sense of turns about x.
+            Self::TurnAbout(0, degrees) => Self::TurnAbout(0, degrees),
+            Self::TurnAbout(axis, degrees) => Self::TurnAbout(axis, -degrees),
             Self::Grow(factor) => Self::Grow(factor),
         }
     }
@@ -142,6 +148,16 @@ fn changed(key: &PinKey, change: Move, strength: f64, (unit, scale): (OffsetUnit
             };
             key.rotate_degrees = Some(Rotation::InView(round(old + degrees / strength, 1e3)));
         }
+        Move::TurnAbout(axis, degrees) => {
+            let mut angles = match key.rotate_degrees {
+                None => [0.0; 3],
+                Some(Rotation::Axes(angles)) => angles,
+                Some(Rotation::InView(_)) => return None,
+            };
+            let angle = angles.get_mut(axis)?;
+            *angle = round(*angle + degrees / strength, 1e3);
+            key.rotate_degrees = Some(Rotation::Axes(angles));
+        }
         Move::Grow(factor) => {
             let log_scale = key.scale.unwrap_or(1.0).ln() + factor.ln() / strength;
             key.scale = Some(round(log_scale.exp().clamp(0.01, 100.0), 1e4));
@@ -159,102 +175,35 @@ fn round(value: f64, parts: f64) -> f64 {
     (value * parts).round() / parts
 }
 
-/// A key of a pin or a handle.
-pub(in crate::edit) trait TimedKey: Copy {
-    /// Its time.
-    fn time(&self) -> f64;
-    /// The same key at another time.
-    fn at(self, time: f64) -> Self;
-    /// The same key with another ease.
-    fn with_ease(self, ease: Ease) -> Self;
-}
-
-impl TimedKey for PinKey {
-    fn time(&self) -> f64 {
-        self.frame
-    }
-
-    fn at(self, frame: f64) -> Self {
-        Self { frame, ..self }
-    }
-
-    fn with_ease(self, ease: Ease) -> Self {
-        Self { ease, ..self }
-    }
-}
-
-impl TimedKey for HandleKey {
-    fn time(&self) -> f64 {
-        self.frame
-    }
-
-    fn at(self, frame: f64) -> Self {
-        Self { frame, ..self }
-    }
-
-    fn with_ease(self, ease: Ease) -> Self {
-        Self { ease, ..self }
-    }
-}
-
-/// A change of chosen keys, the same for pins and handles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::edit) enum KeyEdit {
-    /// They are removed; the last key of a pin or handle is kept.
-    Remove,
-    /// They move by a number of frames; keys that they land on are removed.
-    Shift(f64),
-    /// They get an ease.
-    Ease(Ease),
-}
-
-impl KeyEdit {
-    /// Returns the keys after the change of those at some times.
-    #[must_use]
-    pub(in crate::edit) fn apply<K: TimedKey>(self, keys: &[K], times: &[f64]) -> Vec<K> {
-        let is_chosen = |key: &&K| times.contains(&key.time());
-        match self {
-            Self::Remove => {
-                let kept: Vec<K> = keys.iter().filter(|key| !is_chosen(key)).copied().collect();
-                if kept.is_empty() { keys.first().copied().into_iter().collect() } else { kept }
-            }
-            Self::Shift(by) => {
-                let rest: Vec<K> = keys.iter().filter(|key| !is_chosen(key)).copied().collect();
-                let moved = keys.iter().filter(is_chosen).map(|key| key.at(key.time() + by));
-                moved.fold(rest, |keys, key| with_key(&keys, key))
-            }
-            Self::Ease(ease) => {
-                keys.iter().map(|key| if is_chosen(&key) { key.with_ease(ease) } else { *key }).collect()
-            }
-        }
-    }
-}
-
-/// Inserts a key, replacing one at the same time.
+/// Returns the interpolated value of a handle's keys at a time, as a key; at rest if it has none.
 #[must_use]
-pub(in crate::edit) fn with_key<K: TimedKey>(keys: &[K], key: K) -> Vec<K> {
-    let mut keys: Vec<K> = keys.iter().filter(|other| other.time() != key.time()).copied().collect();
-    let place = keys.partition_point(|other| other.time() < key.time());
-    keys.insert(place, key);
-    keys
+pub(in crate::edit) fn handle_key_at(shot: &Shot, (layer, index): (usize, [usize; 3]), time: f64) -> Option<HandleKey> {
+    let owner = shot.layers.get(layer)?;
+    let resting = HandleKey { frame: time, offset: [0.0; 3], ease: Ease::Smooth };
+    let Some(place) = owner.handles.iter().position(|track| track.index == index) else { return Some(resting) };
+    let keys = &owner.handles[place].keys;
+    if let Some(key) = keys.iter().find(|key| key.frame == time) {
+        return Some(*key);
+    }
+    // Strength is excluded, as it is applied to the value of the keys.
+    let mut plain = owner.clone();
+    (plain.strength, plain.step) = (1.0, 1);
+    let offset = plain.pin_path(&shot.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place]);
+    let ease = keys.iter().rev().find(|key| key.frame < time).map_or(Ease::Smooth, |key| key.ease);
+    Some(HandleKey { frame: time, offset, ease })
 }
 
-/// Returns the keys of a handle after a drag at a time; `by` in units of the lattice box's size.
+/// Returns the keys of a handle with another key; a handle without keys rests in the first frame of the shot.
 #[must_use]
-pub(in crate::edit) fn handle_moved(
-    track: Option<&HandleTrack>,
-    (time, first): (f64, f64),
-    by: [f64; 3],
-    value: [f64; 3],
-) -> Vec<HandleKey> {
+pub(in crate::edit) fn with_handle_key(track: Option<&HandleTrack>, first: f64, key: HandleKey) -> Vec<HandleKey> {
     let resting = HandleKey { frame: first, offset: [0.0; 3], ease: Ease::Smooth };
-    let mut keys = track.map_or_else(|| vec![resting], |track| track.keys.clone());
-    let offset = std::array::from_fn(|axis| round(value[axis] + by[axis], 1e6));
-    let ease = keys.iter().rev().find(|key| key.frame <= time).map_or(Ease::Smooth, |key| key.ease);
-    keys.retain(|key| key.frame != time);
-    let place = keys.partition_point(|key| key.frame < time);
-    keys.insert(place, HandleKey { frame: time, offset, ease });
-    keys
+    with_key(track.map_or(&[resting], |track| &track.keys), key)
+}
+
+/// Returns the key of a handle after a drag; `by` in units of the lattice box's size.
+#[must_use]
+pub(in crate::edit) fn handle_moved(key: HandleKey, by: [f64; 3]) -> HandleKey {
+    HandleKey { offset: std::array::from_fn(|axis| round(key.offset[axis] + by[axis], 1e6)), ..key }
 }
 
 #[cfg(test)]
@@ -295,17 +244,17 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_moved_eased_and_removed_in_order() {
-        let keys = &shot("").layers[0].pins[0].keys;
-        let times = |keys: &[PinKey]| keys.iter().map(|key| key.frame).collect::<Vec<_>>();
-        assert_eq!(times(&KeyEdit::Shift(20.0).apply(keys, &[1.0])), [11.0, 21.0]);
-        assert_eq!(times(&KeyEdit::Shift(10.0).apply(keys, &[1.0])), [11.0], "it takes the place of what it lands on");
-        assert_eq!(
-            (times(&KeyEdit::Remove.apply(keys, &[11.0])), times(&KeyEdit::Remove.apply(keys, &[1.0, 11.0]))),
-            (vec![1.0], vec![1.0])
-        );
-        let eased = KeyEdit::Ease(Ease::Hold).apply(keys, &[1.0]);
-        assert_eq!([eased[0].ease, eased[1].ease], [Ease::Hold, Ease::Linear]);
+    fn rings_turn_about_one_axis_and_are_mirrored() {
+        let mut shot = shot("");
+        let own = &mut shot.layers[0].pins[0];
+        own.keys = vec![PinKey { rotate_degrees: Some(Rotation::Axes([10.0, 20.0, 30.0])), ..own.keys[0] }];
+        let turned = |change: Move| {
+            let keys = moved(&shot, [0, 0], (1.0, AutoKey::On), change, PinScale::default()).expect("three angles");
+            keys[0].rotate_degrees
+        };
+        assert_eq!(turned(Move::TurnAbout(1, 5.0)), Some(Rotation::Axes([10.0, 25.0, 30.0])));
+        assert_eq!(turned(Move::TurnAbout(2, 5.0).mirrored()), Some(Rotation::Axes([10.0, 20.0, 25.0])));
+        assert_eq!(turned(Move::TurnAbout(0, 5.0).mirrored()), Some(Rotation::Axes([15.0, 20.0, 30.0])));
     }
 
     #[test]

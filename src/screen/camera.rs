@@ -122,6 +122,13 @@ impl Camera {
         self.scene_from_view().transform_vector3(in_view)
     }
 
+    /// Returns the length of a frame height at a depth, metres.
+    #[must_use]
+    pub(crate) fn frame_height_at(&self, depth: f64) -> f64 {
+        let w = if self.is_parallel() { 1.0 } else { depth };
+        self.scene_from_screen_vector(ScreenVector(DVec2::Y), w).length()
+    }
+
     /// Returns half frame heights per metre at depth 1.
     fn zoom(&self) -> f64 {
         match self.lens {

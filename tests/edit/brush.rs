@@ -44,8 +44,7 @@ fn stiffest(session: &Session) -> [f64; 2] {
 
 #[test]
 fn a_stroke_is_one_change_that_is_seen_at_once_and_kept_in_the_file() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (stage, mut session) = Stage::open();
     session.brush.radius = 0.12;
     press(&mut session, [0.3, 0.4], false);
     session.motion(at(0.3, 0.6));
@@ -72,8 +71,7 @@ fn a_stroke_is_one_change_that_is_seen_at_once_and_kept_in_the_file() {
 
 #[test]
 fn what_is_erased_is_as_the_rest_and_all_painting_can_be_removed() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     session.brush.radius = 0.12;
     paint(&mut session, &[[0.3, 0.5], [0.65, 0.5]], false);
     assert!(stiffest(&session).iter().all(|most| *most > 4.0), "{:?}", stiffest(&session));
@@ -91,8 +89,7 @@ fn what_is_erased_is_as_the_rest_and_all_painting_can_be_removed() {
 
 #[test]
 fn paint_stiffens_what_pins_pull() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     for (x, y) in [(0.25, 0.5), (0.7, 0.5)] {
         place_pin(&mut session, at(x, y));
     }
@@ -109,8 +106,7 @@ fn paint_stiffens_what_pins_pull() {
 
 #[test]
 fn the_brush_beside_the_model_writes_nothing_and_says_so() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     press(&mut session, [0.02, 0.97], false);
     session.release();
     until(&mut session, "it says so", |session| session.message().is_some());
@@ -134,12 +130,30 @@ fn paint_nothing(session: &mut Session) {
 
 #[test]
 fn a_held_key_sizes_the_brush_beside_pins() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     let held = Held { part: PinPart::Radius, ..Held::default() };
     session.press(at(0.4, 0.5), (REACH, RING), held);
     session.motion(at(0.4, 0.65));
     session.release();
     assert!((session.brush.radius - 0.15).abs() < 1e-9, "{:?}", session.brush);
     assert_eq!(session.document().text(), SHOT);
+}
+
+#[test]
+fn with_mirrored_edits_the_brush_paints_both_sides_at_once() {
+    let (_stage, mut session) = Stage::open();
+    session.brush.radius = 0.06;
+    session.mirrors = true;
+    // The left card stands about x = -0.4; its middle is at 0.49 of the frame's height.
+    paint(&mut session, &[[0.3, 0.5], [0.35, 0.5]], false);
+    let strokes = &session.document().shot().layers[0].strokes;
+    assert_eq!(strokes.len(), 2, "{strokes:?}");
+    let [own, mirrored] = [0, 1].map(|index| &strokes[index].points);
+    assert_eq!(own.len(), mirrored.len());
+    for (a, b) in own.iter().zip(mirrored) {
+        assert!((a[0] + b[0] + 0.8).abs() < 5e-3 && (a[1] - b[1]).abs() < 5e-3, "{a:?} {b:?}");
+    }
+    assert!(stiffest(&session).iter().all(|most| *most > 4.0), "{:?}", stiffest(&session));
+    session.undo();
+    assert_eq!(session.document().text(), SHOT, "one change");
 }

@@ -152,6 +152,33 @@ fn a_problem_becomes_a_shot_with_its_poses_as_keys() {
 }
 
 #[test]
+fn a_problem_keeps_its_weights_and_its_number_of_iterations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frog = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/figures/frog.json");
+    let text = fs::read_to_string(frog).expect("a problem");
+    let mut problem: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    problem["lambdas"] = serde_json::json!({ "mp": 25.0, "gr": 0.5 });
+    problem["iterations"] = serde_json::json!(7);
+    let own = folder.path().join("frog.json");
+    fs::write(&own, problem.to_string()).expect("written");
+    let document = open(&own, FileAccess::SceneFolder).expect("it opens");
+    let settings = &document.shot().layers[0].settings;
+    let lambdas = settings.lambdas;
+    assert_eq!([lambdas.shape, lambdas.pins, lambdas.handles, lambdas.regularizer], [1.0, 25.0, 100.0, 0.5]);
+    assert_eq!((settings.iteration_limit, settings.acceleration, settings.temporal), (7, 0, 0.0));
+    let small = document.text().replace("[1920, 1080]", "[192, 108]");
+    let solved = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).expect("written");
+        let mut session = opened(&path);
+        session.go(13);
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+        session.marks()[0].handles.clone()
+    };
+    assert_ne!(solved("weak.toml", &small), solved("firm.toml", &small.replace("mp = 25.0", "mp = 2500.0")));
+}
+
+#[test]
 fn broken_files_are_reported_and_a_shot_that_breaks_on_disk_changes_nothing() {
     let stage = Stage::new();
     let told = |path: &Path| open(path, FileAccess::SceneFolder).map(|_| ()).expect_err("it is broken").to_string();

@@ -6,6 +6,9 @@ mod tiny;
 
 mod brush;
 mod foreign;
+mod kept_view;
+mod keyboard;
+mod keys;
 mod model;
 mod panels;
 mod pins;

@@ -1,6 +1,6 @@
 //! A person's work without a window: place, drag, key, undo, save, render.
 
-use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
+use crate::stage::{SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
 use pinwarp::edit::{DiskChange, EasePreset, Picture, Quality, Session};
 use pinwarp::image::{preview, read_exr};
 use pinwarp::pipeline::{PreparedShot, RenderOptions, render};
@@ -12,18 +12,9 @@ use std::sync::atomic::AtomicBool;
 /// A point on the left card in frame 1, which lies from 0.189 to 0.789 across.
 const ON_LEFT: [f64; 2] = [0.4, 0.5];
 
-fn drag(session: &mut Session, from: [f64; 2], to: [f64; 2]) {
-    press(session, at(from[0], from[1]));
-    session.motion(at(0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])));
-    session.motion(at(to[0], to[1]));
-    session.release();
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
-}
-
 #[test]
 fn a_click_places_a_pin_and_a_drag_keys_it_in_the_frame_that_is_seen() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
     session.go(4);
     assert!(session.settle(TIMEOUT));
@@ -41,8 +32,7 @@ fn a_click_places_a_pin_and_a_drag_keys_it_in_the_frame_that_is_seen() {
 
 #[test]
 fn everything_is_undone_to_the_byte_and_saved_with_comments() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (stage, mut session) = Stage::open();
     place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
     drag(&mut session, ON_LEFT, [0.5, 0.6]);
     session.nudge(glam::DVec2::new(0.01, 0.0));
@@ -70,8 +60,7 @@ fn everything_is_undone_to_the_byte_and_saved_with_comments() {
 
 #[test]
 fn what_is_seen_is_what_is_rendered_bit_for_bit() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (stage, mut session) = Stage::open();
     session.set_layer("Solve over time", &["solve", "temporal"], &pinwarp::shot::edit::Setting::Number(0.3), None);
     place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
     session.go(3);
@@ -105,8 +94,7 @@ fn read_exr_at_rest(stage: &Stage) -> pinwarp::image::Frame {
 
 #[test]
 fn a_late_pin_is_born_where_the_surface_is_seen() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.3, 0.5));
     drag(&mut session, [0.3, 0.5], [0.3, 0.65]);
     // The surface that is seen here now was elsewhere at rest.
@@ -118,8 +106,7 @@ fn a_late_pin_is_born_where_the_surface_is_seen() {
 
 #[test]
 fn empty_space_chooses_by_a_box_and_escape_gives_a_drag_up() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.3, 0.5));
     place_pin(&mut session, at(0.6, 0.5));
     press(&mut session, at(0.02, 0.95));
@@ -141,8 +128,7 @@ fn empty_space_chooses_by_a_box_and_escape_gives_a_drag_up() {
 
 #[test]
 fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.3, 0.5));
     session.go(3);
     session.insert_keys();
@@ -173,8 +159,7 @@ fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
 
 #[test]
 fn a_faulty_edit_is_reported_and_changes_nothing() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     session.set_shot("Frames", &["frames", "last"], &pinwarp::shot::edit::Setting::Whole(-5), None);
     assert!(session.message().is_some_and(|text| text.contains("last")), "{:?}", session.message());
     assert_eq!(session.document().text(), SHOT);
@@ -184,8 +169,7 @@ fn a_faulty_edit_is_reported_and_changes_nothing() {
 
 #[test]
 fn changes_elsewhere_in_the_file_are_merged_and_those_in_one_place_are_asked_about() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (stage, mut session) = Stage::open();
     place_pin(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
     let own = session.document().text().to_owned();
     fs::write(stage.shot(), SHOT.replace("samples = 4", "samples = 5 # more")).expect("written");

@@ -1,30 +1,53 @@
 //! The brush, the timeline, the tour and the list of keys in the real interface.
 
-use crate::stage::{SHOT, Stage};
+use crate::stage::{PINS, SHOT, Stage};
 use crate::window::{Window, place, pointer, session, settled, until, window};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::Queryable;
+use pinwarp::image::{Preview, write_png};
 use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A file as the window system hands it over.
+#[derive(Debug)]
+struct Handed(PathBuf);
+
+impl egui::DroppedFile for Handed {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn of_files_dropped_at_once_one_is_opened_and_a_picture_lies_over_it() {
+    let stage = Stage::new();
+    let folder = stage.folder.path();
+    let picture = Preview::transparent(16, 9);
+    for name in ["draw.0001.png", "draw.0002.png", "other.png"] {
+        write_png(&folder.join(name), &picture).expect("written");
+    }
+    fs::write(folder.join("broken.toml"), "scene = ").expect("written");
+    let mut window = window(&stage.state(), None);
+    let names = ["draw.0002.png", "notes.txt", "broken.toml", "cards.gltf", "draw.0001.png", "other.png", "shot.toml"];
+    let files = names.map(|name| Arc::new(Handed(folder.join(name))) as egui::DroppedFileHandle);
+    window.input_mut().dropped_files.extend(files);
+    window.run_steps(3);
+    assert_eq!(session(&window).document().path(), stage.shot());
+    let told = session(&window).message().unwrap_or_default().to_owned();
+    assert!(told.contains("draw.####.png lies over the picture"), "{told}");
+    assert!(told.ends_with("Not used: broken.toml, other.png, notes.txt"), "{told}");
+}
 
 fn key(window: &mut Window, key: Key, pressed: bool) {
     let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);
     window.event(Event::Key { key, physical_key, pressed, repeat, modifiers });
     window.step();
 }
-
-/// Two pins with keys in the left layer.
-const PINS: &str = "coarse on purpose
-
-[[layer.pin]]
-name   = \"a\"
-anchor = { screen = [0.3, 0.5], frame = 1 }
-keys   = [{ frame = 1, offset = [0.0, 0.0] }, { frame = 3, offset = [0.1, 0.0] }, { frame = 6, offset = [0.0, 0.0] }]
-
-[[layer.pin]]
-name   = \"b\"
-anchor = { screen = [0.6, 0.5], frame = 1 }
-keys   = [{ frame = 2, offset = [0.0, 0.0] }, { frame = 3, offset = [0.0, 0.1] }, { frame = 5, offset = [0.0, 0.0] }]
-";
 
 #[test]
 fn a_held_key_paints_stiffness_and_shift_erases_it() {
@@ -64,8 +87,7 @@ fn a_held_key_paints_stiffness_and_shift_erases_it() {
 
 #[test]
 fn a_box_in_the_timeline_chooses_keys_of_many_pins() {
-    let stage = Stage::new();
-    fs::write(stage.shot(), SHOT.replacen("coarse on purpose\n", PINS, 1)).expect("written");
+    let stage = Stage::with(PINS);
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);
     let rows = ["a", "b"].map(|name| -> Rect { window.get_by_label(&format!("Keys of {name}")).rect() });

@@ -1,18 +1,11 @@
 //! What a pin can be told beside where it goes: weight, rest, stiffness, its other side; and what becomes of keys and handles.
 
-use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, place_pin, press};
+use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin};
 use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
 use pinwarp::shot::{Goal, Pin};
 
 fn pin(session: &Session, layer: usize, pin: usize) -> &Pin {
     &session.document().shot().layers[layer].pins[pin]
-}
-
-fn drag(session: &mut Session, from: [f64; 2], to: [f64; 2]) {
-    press(session, at(from[0], from[1]));
-    session.motion(at(to[0], to[1]));
-    session.release();
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 
 /// How far the picture is from the one at rest: mean difference of its bytes.
@@ -23,8 +16,7 @@ fn change(session: &Session, rest: &[u8]) -> f64 {
 
 #[test]
 fn a_soft_pin_gives_way_and_a_muted_one_rests() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     for (x, y) in [(0.25, 0.3), (0.7, 0.3), (0.45, 0.75)] {
         place_pin(&mut session, at(x, y));
     }
@@ -49,8 +41,7 @@ fn a_soft_pin_gives_way_and_a_muted_one_rests() {
 
 #[test]
 fn edits_are_mirrored_to_the_other_side() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     for (index, (x, name)) in [(0.3, "ear left"), (0.65, "ear right")].into_iter().enumerate() {
         place_pin(&mut session, at(x, 0.5));
         session.rename_pin([0, index], name);
@@ -76,8 +67,7 @@ fn edits_are_mirrored_to_the_other_side() {
 
 #[test]
 fn a_held_key_and_a_drag_stiffen_a_region() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.4, 0.5));
     let mut held = |part: PinPart, to: [f64; 2]| {
         let ring = Ring { radius: 9.0, reach: 0.0 };
@@ -97,8 +87,7 @@ fn a_held_key_and_a_drag_stiffen_a_region() {
 
 #[test]
 fn a_handle_of_a_layer_without_pins_is_dragged_and_kept_in_other_dims() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     session.shown.handles = true;
     // The third of six columns and rows.
     let handle = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
@@ -121,8 +110,7 @@ fn a_handle_of_a_layer_without_pins_is_dragged_and_kept_in_other_dims() {
 
 #[test]
 fn a_curve_s_key_goes_to_another_time_and_number_at_once() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.4, 0.5));
     session.go(4);
     session.insert_keys();
@@ -145,8 +133,7 @@ fn a_curve_s_key_goes_to_another_time_and_number_at_once() {
 
 #[test]
 fn keys_of_many_pins_are_copied_to_pins_of_their_names() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     for x in [0.3, 0.6] {
         place_pin(&mut session, at(x, 0.5));
     }
@@ -171,8 +158,7 @@ fn keys_of_many_pins_are_copied_to_pins_of_their_names() {
 
 #[test]
 fn the_whole_range_is_no_range() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     session.playhead.set_range(Some([2, 5]));
     assert!(session.playhead.has_range());
     session.playhead.set_range(Some([1, 6]));
@@ -181,8 +167,7 @@ fn the_whole_range_is_no_range() {
 
 #[test]
 fn tangents_of_chosen_keys_bend_the_curve() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.4, 0.5));
     session.go(5);
     session.insert_keys();
@@ -202,8 +187,7 @@ fn tangents_of_chosen_keys_bend_the_curve() {
 
 #[test]
 fn a_pin_is_mirrored_once_even_into_another_layer() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.4, 0.5));
     let follower = "[output]\n";
     let text = session.document().text().replace(

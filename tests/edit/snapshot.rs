@@ -49,8 +49,7 @@ fn drawn(shot: &Path, state: &Path, theme: Theme) -> PathBuf {
 
 #[test]
 fn the_window_looks_as_it_did() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (stage, mut session) = Stage::open();
     for (x, y) in [(0.3, 0.35), (0.65, 0.35), (0.45, 0.7), (1.2, 0.5)] {
         place_pin(&mut session, at(x, y));
     }

@@ -1,8 +1,8 @@
 //! Lattices in the scene: their handles and pins in metres follow the pen; their dims change without losing the edit.
 
-use crate::stage::{SHOT, Stage, TIMEOUT, at, press};
-use pinwarp::edit::{Channel, EasePreset, Session};
-use pinwarp::shot::Goal;
+use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag};
+use pinwarp::edit::{Channel, EasePreset, Held, Ring, Session};
+use pinwarp::shot::{Goal, Rotation};
 use std::fs;
 
 /// The stage with a lattice in the scene under the left card, and more text in its layer.
@@ -12,14 +12,6 @@ fn in_scene(stage: &Stage, more: &str) -> Session {
     let text = text.replacen("coarse on purpose\n", &format!("coarse on purpose\n{more}\n"), 1);
     fs::write(stage.shot(), text).expect("written");
     stage.session()
-}
-
-fn drag(session: &mut Session, from: [f64; 2], by: [f64; 2]) {
-    press(session, at(from[0], from[1]));
-    session.motion(at(from[0] + 0.5 * by[0], from[1] + 0.5 * by[1]));
-    session.motion(at(from[0] + by[0], from[1] + by[1]));
-    session.release();
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 
 #[test]
@@ -32,7 +24,7 @@ fn a_handle_in_the_scene_follows_the_pen_and_is_undone() {
     assert_eq!((marks.handles.len(), marks.handle_steps.len()), (64, 64));
     let number = 21;
     let from = marks.handles[number].expect("seen").0;
-    drag(&mut session, from.to_array(), [0.05, 0.08]);
+    drag(&mut session, from.to_array(), (from + glam::DVec2::new(0.05, 0.08)).to_array());
     let tracks = session.document().shot().layers[0].handles.clone();
     let [x, y, z] = tracks[0].index;
     let chosen = x + 4 * (y + 4 * z);
@@ -53,20 +45,19 @@ fn a_handle_in_the_scene_follows_the_pen_and_is_undone() {
 
 #[test]
 fn a_moved_handle_is_eased_moved_in_time_and_put_back() {
-    let stage = Stage::new();
-    let mut session = stage.session();
+    let (_stage, mut session) = Stage::open();
     session.shown.handles = true;
     let untouched = session.document().text().to_owned();
     let handle = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
     session.go(4);
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let seen = session.marks()[0].handles[2 + 6 * 3].expect("seen").0;
-    drag(&mut session, seen.to_array(), [0.03, 0.04]);
+    drag(&mut session, seen.to_array(), (seen + glam::DVec2::new(0.03, 0.04)).to_array());
     assert!(handle.is_finite());
     let at = (0, [2, 3, 0]);
     let keys = |session: &Session| session.document().shot().layers[0].handles[0].keys.clone();
     assert_eq!(keys(&session).iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 4.0]);
-    session.choose_handle_key(at, 4.0, false);
+    session.choose_key(at, 4.0, false);
     session.shift_keys(1);
     session.ease_keys(EasePreset::Hold);
     assert_eq!(keys(&session).iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 5.0]);
@@ -87,7 +78,7 @@ fn pins_in_metres_and_in_sizes_of_the_box_follow_the_pen() {
         );
         let mut session = in_scene(&stage, &pin);
         let from = session.marks()[0].pins[0].target.0;
-        drag(&mut session, from.to_array(), [0.06, 0.1]);
+        drag(&mut session, from.to_array(), (from + glam::DVec2::new(0.06, 0.1)).to_array());
         let to = session.marks()[0].pins[0].target.0;
         assert!((to - from - glam::DVec2::new(0.06, 0.1)).length() < 1e-4, "{unit}: {from} to {to}");
         let key = session.document().shot().layers[0].pins[0].keys[0];
@@ -95,4 +86,40 @@ fn pins_in_metres_and_in_sizes_of_the_box_follow_the_pen() {
         assert!(x > 0.0 && y > 0.0, "{key:?}");
         assert_eq!(session.curve_keys([0, 0], Channel::Y), [[1.0, y]]);
     }
+}
+
+#[test]
+fn a_pin_in_the_scene_is_turned_by_a_ring_about_each_axis() {
+    let pin = "\n[[layer.pin]]\nname = \"p\"\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+               keys = [{ frame = 1, offset = [0.0, 0.0, 0.0] }]\n";
+    let stage = Stage::new();
+    let mut session = in_scene(&stage, pin);
+    session.selection.pins.insert([0, 0]);
+    let mark = session.marks()[0].pins[0].clone();
+    let axes = mark.turn_axes.expect("it has three angles");
+    // The camera looks along z: that ring is a circle, the others are seen from their edges.
+    assert!((axes[2].z - 1.0).abs() < 1e-6 && (axes[0].x - 1.0).abs() < 1e-6, "{axes:?}");
+    let radius = 0.2;
+    let mut turn = |from: [f64; 2], to: [f64; 2]| {
+        let place = |[x, y]: [f64; 2]| at(mark.target.0.x + radius * x, mark.target.0.y + radius * y);
+        session.press(place(from), (REACH, Ring { radius, reach: 0.02 }), Held::default());
+        session.motion(place(to));
+        session.release();
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+        session.document().shot().layers[0].pins[0].keys[0].rotate_degrees
+    };
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    // A quarter of the circle, from upper right to upper left.
+    let about_z = turn([half, half], [-half, half]);
+    assert_eq!(about_z, Some(Rotation::Axes([0.0, 0.0, 90.0])));
+    // The axis of y was turned by that of z: its ring now stands upright, and its near side is pulled up.
+    let Some(Rotation::Axes([x, y, z])) = turn([0.0, 0.5], [0.0, 1.0]) else { panic!("three angles") };
+    assert!(x == 0.0 && z == 90.0 && (y.abs() - 28.648).abs() < 0.1, "{x} {y} {z}");
+    let labels: Vec<&str> = session.document().history().labels().collect();
+    assert_eq!(labels, ["Turn pin", "Turn pin"]);
+    let before = session.picture().expect("drawn").rgba.clone();
+    session.undo();
+    session.undo();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    assert_ne!(session.picture().expect("drawn").rgba, before);
 }

@@ -20,6 +20,20 @@ pub(crate) struct Stage {
     pub(crate) folder: TempDir,
 }
 
+/// Two pins with keys, to be put into the left layer.
+pub(crate) const PINS: &str = "coarse on purpose
+
+[[layer.pin]]
+name   = \"a\"
+anchor = { screen = [0.3, 0.5], frame = 1 }
+keys   = [{ frame = 1, offset = [0.0, 0.0] }, { frame = 3, offset = [0.1, 0.0] }, { frame = 6, offset = [0.0, 0.0] }]
+
+[[layer.pin]]
+name   = \"b\"
+anchor = { screen = [0.6, 0.5], frame = 1 }
+keys   = [{ frame = 2, offset = [0.0, 0.0] }, { frame = 3, offset = [0.0, 0.1] }, { frame = 5, offset = [0.0, 0.0] }]
+";
+
 pub(crate) const SHOT: &str = "# Two cards.
 version = 1
 scene  = \"cards.gltf\"   # beside this file
@@ -54,6 +68,20 @@ impl Stage {
         Self { folder }
     }
 
+    /// A folder in which the left layer has more: [`PINS`], or handles.
+    pub(crate) fn with(more: &str) -> Self {
+        let stage = Self::new();
+        fs::write(stage.shot(), SHOT.replacen("coarse on purpose\n", more, 1)).expect("written");
+        stage
+    }
+
+    /// The folder, and an editor without a window on its shot, the first frame drawn.
+    pub(crate) fn open() -> (Self, Session) {
+        let stage = Self::new();
+        let session = stage.session();
+        (stage, session)
+    }
+
     pub(crate) fn shot(&self) -> PathBuf {
         self.folder.path().join("shot.toml")
     }
@@ -80,6 +108,15 @@ pub(crate) fn at(x: f64, y: f64) -> ScreenPoint {
 pub(crate) fn press(session: &mut Session, point: ScreenPoint) {
     // The ring is out of the way.
     session.press(point, (REACH, Ring { radius: 9.0, reach: 0.0 }), Held::default());
+}
+
+/// Drags what is at a point to another one, and waits until the frame is drawn.
+pub(crate) fn drag(session: &mut Session, from: [f64; 2], to: [f64; 2]) {
+    press(session, at(from[0], from[1]));
+    session.motion(at(0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])));
+    session.motion(at(to[0], to[1]));
+    session.release();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 
 /// Waits until something holds.

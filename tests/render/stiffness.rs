@@ -2,7 +2,7 @@
 
 use crate::support::Studio;
 use crate::tiny::{Part, Tiny, grid};
-use pinwarp::pipeline::{PipelineError, PreparedShot};
+use pinwarp::pipeline::{OpenShot, PipelineError, PreparedShot, Rework};
 use pinwarp::shot::{BrushStroke, ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
 use pinwarp::space::ScreenPoint;
 use std::path::Path;
@@ -67,6 +67,44 @@ fn a_brush_stroke_stiffens_what_it_covers_and_a_later_one_erases() {
     studio.shot.layers[0].strokes = vec![BrushStroke { nodes: vec!["Lift".into()], ..stroke(8.0) }];
     let error = PreparedShot::new(studio.shot.clone()).err().map(|error| error.to_string());
     assert!(error.as_ref().is_some_and(|text| text.contains("no node matches 'Lift'")), "{error:?}");
+}
+
+#[test]
+fn a_stroke_does_not_reach_what_lies_behind_or_beside_it() {
+    // Two sheets, one behind the other, and a third beside them that they do not touch.
+    let mut behind = grid("Behind", [-0.4, -0.3, 0.4, 0.3], 8);
+    behind.positions.iter_mut().for_each(|place| place[2] -= 0.1);
+    let parts = vec![grid("Front", [-0.4, -0.3, 0.4, 0.3], 8), behind, grid("Beside", [0.45, -0.3, 0.7, 0.3], 4)];
+    let mut studio = Studio::tiny(&Tiny::of(parts), "[[layer]]\nname = \"all\"\n");
+    studio.shot.layers[0].strokes =
+        vec![BrushStroke { nodes: Vec::new(), points: vec![[0.3, 0.0, 0.0]], radius: 0.3, value: 8.0 }];
+    let prepared = studio.prepared();
+    let sample = prepared.sample_at(1.0).expect("a solvable frame");
+    let triangles = prepared.stiff_triangles(&sample);
+    let count = triangles.len();
+    assert!(count > 0);
+    studio.shot.layers[0].strokes[0].nodes = vec!["Front".into()];
+    let prepared = studio.prepared();
+    let sample = prepared.sample_at(1.0).expect("a solvable frame");
+    assert_eq!(prepared.stiff_triangles(&sample).len(), count, "only the front was painted");
+}
+
+#[test]
+fn notes_about_strokes_vanish_with_them() {
+    let mut studio = sheets();
+    let stroke = BrushStroke { nodes: Vec::new(), points: vec![[9.0; 3]], radius: 0.5, value: 8.0 };
+    let mut open = OpenShot::new(studio.shot.clone()).expect("it loads");
+    let notes = |open: &OpenShot| open.prepared().notes.iter().filter(|note| note.contains("brush stroke")).count();
+    let before = open.prepared().notes.clone();
+    studio.shot.layers[0].strokes = vec![stroke.clone(), stroke];
+    assert_eq!(open.edit(studio.shot.clone()).expect("it fits"), Rework::Stiffness);
+    assert_eq!(notes(&open), 1);
+    studio.shot.layers[0].strokes.pop();
+    open.edit(studio.shot.clone()).expect("it fits");
+    assert_eq!(notes(&open), 1, "{:?}", open.prepared().notes);
+    studio.shot.layers[0].strokes.clear();
+    open.edit(studio.shot.clone()).expect("it fits");
+    assert_eq!(open.prepared().notes, before);
 }
 
 #[test]

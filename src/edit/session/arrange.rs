@@ -2,9 +2,9 @@
 //!
 //! In: user commands. Out: one document change each.
 
-use super::handles::axes_of;
 use super::{Purpose, Session};
 use crate::edit::regrid::regridded;
+use crate::edit::track_keys::axes_of;
 use crate::plate::Matte;
 use crate::shot::edit::{
     Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, put_setting, remove_layer,

@@ -1,11 +1,28 @@
-//! Copy and paste of keys, for one pin or several.
+//! Copy and paste of keys, for one pin or handle or several.
 //!
-//! In: selected keys; selected pins and the current frame. Out: one document change.
+//! In: selected keys; selected pins and handles, and the current frame. Out: one document change.
 
 use super::Session;
-use crate::edit::track::{key_time, with_key};
-use crate::shot::{PinKey, Shot};
+use crate::edit::track::{key_time, with_handle_key};
+use crate::edit::track_keys::{Track, TrackKeys};
+use crate::shot::{HandleKey, Shot};
 use crate::spelling::pluralised;
+
+/// The copied keys of one pin or handle.
+#[derive(Clone, Debug)]
+pub(super) struct Copied {
+    track: Track,
+    /// The name of the pin, or the coordinates of the handle.
+    name: String,
+    keys: TrackKeys,
+}
+
+impl Copied {
+    /// Returns whether its keys fit a pin or handle.
+    const fn fits(&self, track: Track) -> bool {
+        matches!((self.track, track), (Track::Pin(_), Track::Pin(_)) | (Track::Handle(_), Track::Handle(_)))
+    }
+}
 
 impl Session {
     /// Copies the selected keys.
@@ -14,70 +31,82 @@ impl Session {
             return self.say("No key is selected: click one in the timeline first.");
         }
         let shot = self.document.shot();
-        let mut pins: Vec<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();
-        pins.sort_unstable();
-        pins.dedup();
-        self.copied = pins
-            .into_iter()
-            .filter_map(|at| {
-                let (pin, times) = (shot.layers.get(at[0])?.pins.get(at[1])?, self.selection.times_of(at));
-                let keys = pin.keys.iter().filter(|key| times.contains(&key.frame));
-                Some((pin.name.clone(), keys.copied().collect::<Vec<_>>()))
-            })
-            .collect();
-        let count: usize = self.copied.iter().map(|(_, keys)| keys.len()).sum();
+        let copy = |track: Track| {
+            let keys = track.keys(shot)?.only(&self.selection.times_of(track));
+            Some(Copied { track, name: track.name(shot), keys })
+        };
+        self.copied = self.selection.keyed().into_iter().filter_map(copy).collect();
+        let count: usize = self.copied.iter().map(|copied| copied.keys.times().len()).sum();
         self.say(format!("Copied {}", pluralised(count, "key", "keys")));
     }
 
-    /// Pastes the copied keys into the selected pins, the first key at the current frame. Keys of several pins go to
-    /// the pins of the same names, in the selected layer if no pin is selected; pins without a match receive them in
-    /// order.
+    /// Pastes the copied keys into the selected pins and handles, the first key at the current frame. Keys of several
+    /// go to those of the same names, in the selected layer if none is selected; those without a match receive them
+    /// in order.
     pub fn paste_keys(&mut self) {
-        let first = self.copied.iter().flat_map(|(_, keys)| keys).map(|key| key.frame).min_by(f64::total_cmp);
-        let Some(first) = first else { return self.say("Nothing was copied.") };
-        let shot = self.document.shot();
-        let chosen: Vec<[usize; 2]> = match self.selection.pins.is_empty() {
-            false => self.selection.pins.iter().copied().collect(),
-            true => {
-                let count = shot.layers.get(self.selection.layer).map_or(0, |layer| layer.pins.len());
-                (0..count).map(|pin| [self.selection.layer, pin]).collect()
-            }
+        let times = self.copied.iter().flat_map(|copied| copied.keys.times());
+        let Some(first) = times.map(|(time, _)| time).min_by(f64::total_cmp) else {
+            return self.say("Nothing was copied.");
         };
-        let is_one = self.copied.len() == 1;
-        if chosen.is_empty() || is_one && self.selection.pins.is_empty() {
-            return self.say("No pin is chosen: click one first.");
+        let chosen = self.selection.tracks();
+        let receivers = match (chosen.is_empty(), self.copied.len()) {
+            (true, 1) => Vec::new(),
+            (true, _) => self.receivers(),
+            (false, _) => chosen,
+        };
+        if receivers.is_empty() {
+            return self.say("No pin or handle is chosen: click one first.");
         }
-        let mut keys = Vec::new();
-        for (at, pasted) in owners(shot, &chosen, &self.copied) {
-            let layer = &shot.layers[at[0]];
+        let shot = self.document.shot();
+        let paste = |(track, copied): (Track, &Copied)| {
+            let layer = shot.layers.get(track.layer())?;
             let by = key_time(&shot.frames, layer, self.playhead.frame()) - first;
-            let pasted = pasted.iter().map(|key| PinKey { frame: key.frame + by, ..*key });
-            keys.push((at, pasted.fold(layer.pins[at[1]].keys.clone(), |keys, key| with_key(&keys, key))));
-        }
+            Some((track, pasted(shot, track, (&copied.keys, by))?))
+        };
+        let keys: Vec<_> = owners(shot, &receivers, &self.copied).into_iter().filter_map(paste).collect();
         if keys.is_empty() {
-            return self.say("No chosen pin has the name of one whose keys were copied.");
+            return self.say("No chosen pin or handle has the name of one whose keys were copied.");
         }
         self.write_keys("Paste keys", &keys, None);
     }
+
+    /// Returns what can receive keys without being selected: all of the layer, with handles that rest.
+    fn receivers(&self) -> Vec<Track> {
+        let layer = self.selection.layer;
+        let Some(owner) = self.document.shot().layers.get(layer) else { return Vec::new() };
+        let has = |index: &[usize; 3]| (0..3).all(|axis| index[axis] < owner.space.dims()[axis]);
+        let copied = self.copied.iter().filter_map(|copied| match copied.track {
+            Track::Handle((_, index)) if has(&index) => Some(Track::Handle((layer, index))),
+            _ => None,
+        });
+        (0..owner.pins.len()).map(|pin| Track::Pin([layer, pin])).chain(copied).collect()
+    }
 }
 
-/// Assigns keys to pins: the keys of a single pin go to all.
-fn owners<'a>(
-    shot: &Shot,
-    chosen: &[[usize; 2]],
-    copied: &'a [(String, Vec<PinKey>)],
-) -> Vec<([usize; 2], &'a [PinKey])> {
-    if let [(_, keys)] = copied {
-        return chosen.iter().map(|&at| (at, &keys[..])).collect();
+/// Returns the keys of a pin or handle with those that are pasted; a handle without keys rests in the first frame.
+fn pasted(shot: &Shot, track: Track, (added, by): (&TrackKeys, f64)) -> Option<TrackKeys> {
+    let first = f64::from(shot.frames.first);
+    let own = track.keys(shot).or_else(|| {
+        let TrackKeys::Handle(keys) = added else { return None };
+        let resting: Option<&HandleKey> = keys.first();
+        resting.map(|key| TrackKeys::Handle(with_handle_key(None, first, HandleKey { frame: key.frame + by, ..*key })))
+    });
+    own?.with(added, by)
+}
+
+/// Assigns keys to pins and handles: those of a single one go to all of its kind.
+fn owners<'a>(shot: &Shot, receivers: &[Track], copied: &'a [Copied]) -> Vec<(Track, &'a Copied)> {
+    if let [only] = copied {
+        return receivers.iter().filter(|track| only.fits(**track)).map(|&track| (track, only)).collect();
     }
-    let named = |at: &[usize; 2]| shot.layers[at[0]].pins[at[1]].name.as_str();
-    let by_name = |at: &[usize; 2]| {
-        let (_, keys) = copied.iter().find(|(name, _)| name == named(at))?;
-        Some((*at, &keys[..]))
+    let by_name = |&track: &Track| {
+        let name = track.name(shot);
+        Some((track, copied.iter().find(|copied| copied.fits(track) && copied.name == name)?))
     };
-    let found: Vec<_> = chosen.iter().filter_map(by_name).collect();
-    if found.is_empty() && chosen.len() == copied.len() {
-        return chosen.iter().zip(copied).map(|(&at, (_, keys))| (at, &keys[..])).collect();
+    let found: Vec<_> = receivers.iter().filter_map(by_name).collect();
+    if found.is_empty() && receivers.len() == copied.len() {
+        let pairs = receivers.iter().copied().zip(copied);
+        return pairs.filter(|(track, copied)| copied.fits(*track)).collect();
     }
     found
 }

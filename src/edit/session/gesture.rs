@@ -1,5 +1,6 @@
 //! The pointer gesture in progress.
 
+use crate::edit::AxisRing;
 use crate::shot::{BrushStroke, Shot};
 use crate::space::ScreenPoint;
 use std::sync::Arc;
@@ -24,6 +25,17 @@ pub(super) enum Gesture {
     /// Centre of the rotation.
     Turn {
         center: ScreenPoint,
+        from: ScreenPoint,
+        base: Arc<Shot>,
+    },
+    /// Turns a pin about an axis of the scene.
+    TurnAbout {
+        /// The centre of the rings, and their radius in frame heights.
+        center: ScreenPoint,
+        radius: f64,
+        /// The axis, by its place and as it was when the drag began.
+        axis: usize,
+        ring: AxisRing,
         from: ScreenPoint,
         base: Arc<Shot>,
     },
@@ -58,13 +70,23 @@ impl Gesture {
     }
 }
 
+/// A line that the brush paints, in one stroke or several: a new one begins where it leaves the surface or jumps.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PaintedLine {
+    pub(super) strokes: Vec<BrushStroke>,
+    /// Whether the last point belongs to the last stroke.
+    pub(super) goes_on: bool,
+}
+
 /// Painting in progress.
 #[derive(Clone, Debug)]
 pub(super) struct Painting {
     /// Returned with the answers to its questions.
     pub(super) id: u64,
-    /// The strokes so far: a new one begins where the brush leaves the surface or jumps.
-    pub(super) strokes: Vec<BrushStroke>,
+    /// What is painted so far.
+    pub(super) line: PaintedLine,
+    /// The same on the other side of the model, if edits are mirrored.
+    pub(super) mirrored: PaintedLine,
     /// The painted layer, that of the first point.
     pub(super) layer: Option<usize>,
     /// The stiffness that is painted; 1 erases.
@@ -73,8 +95,6 @@ pub(super) struct Painting {
     pub(super) asked_at: ScreenPoint,
     /// Number of questions without an answer.
     pub(super) waiting: usize,
-    /// Whether the next point begins a stroke.
-    pub(super) is_broken: bool,
     pub(super) is_up: bool,
     pub(super) base: Arc<Shot>,
 }

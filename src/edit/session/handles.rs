@@ -3,7 +3,8 @@
 //! In: the selected handles. Out: their keys; document changes.
 
 use super::Session;
-use crate::edit::track::{box_sizes, handle_moved, key_time};
+use crate::edit::track::{box_sizes, handle_key_at, handle_moved, key_time, with_handle_key};
+use crate::edit::track_keys::axes_of;
 use crate::shot::edit::put_handle;
 use crate::shot::{HandleTrack, LayerSpace, Shot};
 use glam::{DVec2, DVec3};
@@ -16,16 +17,10 @@ impl Session {
             let Some(by) = self.in_box(layer, index, by) else { continue };
             let place = owner.handles.iter().position(|track| track.index == index);
             let time = key_time(&base.frames, owner, self.playhead.frame());
-            // The keys' own value there, without strength applied.
-            let said = place.map(|place| {
-                let mut plain = owner.clone();
-                (plain.strength, plain.step) = (1.0, 1);
-                plain.pin_path(&base.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place])
-            });
+            let Some(key) = handle_key_at(base, (layer, index), time) else { continue };
             let by = by / if owner.strength == 0.0 { 1.0 } else { owner.strength };
             let track = place.map(|place| &owner.handles[place]);
-            let first = f64::from(base.frames.first);
-            let keys = handle_moved(track, (time, first), by.to_array(), said.unwrap_or_default());
+            let keys = with_handle_key(track, f64::from(base.frames.first), handle_moved(key, by.to_array()));
             let handles = &mut shot.layers[layer].handles;
             match place {
                 Some(place) => handles[place].keys = keys,
@@ -54,13 +49,5 @@ impl Session {
             text = text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, &index), &[]));
         }
         text
-    }
-}
-
-/// Returns the coordinates of a handle that its lattice has.
-pub(super) fn axes_of(space: LayerSpace, index: &[usize; 3]) -> &[usize] {
-    match space {
-        LayerSpace::Screen { .. } => &index[..2],
-        LayerSpace::World { .. } => index,
     }
 }

@@ -2,12 +2,11 @@
 //!
 //! In: user commands. Out: one document change each.
 
-use super::handles::axes_of;
 use super::{Purpose, Session};
-use crate::edit::track::{KeyEdit, key_at, key_time, with_key};
+use crate::edit::track::{handle_key_at, key_at, key_time, with_handle_key};
+use crate::edit::track_keys::{KeyEdit, Track, TrackKeys, axes_of, with_key};
 use crate::shot::edit::{PinName, Setting, put_handle, put_keys};
 use crate::shot::{Ease, PinKey};
-use std::collections::BTreeSet;
 
 /// Named eases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,26 +63,35 @@ impl EasePreset {
 }
 
 impl Session {
-    /// Sets keys on the selected pins from their state at the current frame.
+    /// Sets keys on the selected pins and handles from their state at the current frame.
     pub fn insert_keys(&mut self) {
-        let (shot, frame) = (self.document.shot(), self.playhead.frame());
-        let key = |&at: &[usize; 2]| {
-            let layer = shot.layers.get(at[0])?;
-            let key = key_at(shot, at, key_time(&shot.frames, layer, frame))?;
-            Some((at, with_key(&layer.pins.get(at[1])?.keys, key)))
-        };
-        let keys: Vec<_> = self.selection.pins.iter().filter_map(key).collect();
+        let keys: Vec<_> = self.selection.tracks().into_iter().filter_map(|track| self.keyed_here(track)).collect();
         if keys.is_empty() {
             return self.say("No pin is selected: click one first.");
         }
         self.write_keys("Insert key", &keys, None);
     }
 
+    /// Returns the keys of a pin or handle with one at the current frame, which changes nothing there.
+    fn keyed_here(&self, track: Track) -> Option<(Track, TrackKeys)> {
+        let shot = self.document.shot();
+        let layer = shot.layers.get(track.layer())?;
+        let time = key_time(&shot.frames, layer, self.playhead.frame());
+        let keys = match track {
+            Track::Pin(at) => TrackKeys::Pin(with_key(&layer.pins.get(at[1])?.keys, key_at(shot, at, time)?)),
+            Track::Handle(at) => {
+                let own = layer.handles.iter().find(|handle| handle.index == at.1);
+                TrackKeys::Handle(with_handle_key(own, f64::from(shot.frames.first), handle_key_at(shot, at, time)?))
+            }
+        };
+        Some((track, keys))
+    }
+
     /// Sets a key of a pin from typed values.
     pub fn put_key(&mut self, at: [usize; 2], key: PinKey) {
         let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
         let keys = with_key(&pin.keys, key);
-        self.write_keys("Type key", &[(at, keys)], Some(&format!("type {at:?}")));
+        self.write_keys("Type key", &[(at.into(), TrackKeys::Pin(keys))], Some(&format!("type {at:?}")));
     }
 
     /// Returns the interpolated key of a pin at the current frame.
@@ -103,66 +111,65 @@ impl Session {
     }
 
     /// Selects a key; with `adds`, toggles it and keeps the other keys selected.
-    pub fn choose_key(&mut self, at: [usize; 2], time: f64, adds: bool) {
-        let is_chosen = self.selection.has_key(at, time);
-        if !adds && !is_chosen {
-            self.selection.only_pin(at);
-        }
-        if adds && is_chosen {
-            self.selection.keys.retain(|key| *key != (at, time));
-        } else if !is_chosen {
-            self.selection.pins.insert(at);
-            self.selection.keys.push((at, time));
-        }
-    }
-
-    /// Selects a key of a handle; with `adds`, toggles it and keeps the other keys selected.
-    pub fn choose_handle_key(&mut self, at: (usize, [usize; 3]), time: f64, adds: bool) {
-        let is_chosen = self.selection.handle_keys.contains(&(at, time));
+    pub fn choose_key(&mut self, track: impl Into<Track>, time: f64, adds: bool) {
+        let track = track.into();
+        let is_chosen = self.selection.has_key(track, time);
         if !adds && !is_chosen {
             self.selection.clear();
-            self.selection.layer = at.0;
         }
         if adds && is_chosen {
-            self.selection.handle_keys.retain(|key| *key != (at, time));
+            self.selection.keys.retain(|key| *key != (track, time));
         } else if !is_chosen {
-            self.selection.handles.insert(at);
-            self.selection.handle_keys.push((at, time));
+            self.selection.add(track);
+            self.selection.keys.push((track, time));
         }
     }
 
     /// Changes the selected keys of all pins and handles at once.
-    fn change_keys(&mut self, label: &str, edit: KeyEdit) -> bool {
-        if !self.selection.has_keys() {
-            return false;
-        }
+    pub(super) fn change_keys(
+        &mut self,
+        label: &str,
+        series: Option<&str>,
+        edit: impl Fn(&TrackKeys, &[f64]) -> TrackKeys,
+    ) -> bool {
         let shot = self.document.shot();
-        let pins: BTreeSet<[usize; 2]> = self.selection.keys.iter().map(|(at, _)| *at).collect();
-        let handles: BTreeSet<(usize, [usize; 3])> = self.selection.handle_keys.iter().map(|(at, _)| *at).collect();
-        if let Some(message) = pins.iter().find_map(|&at| self.follows(at)) {
+        let changed = |track: Track| Some((track, edit(&track.keys(shot)?, &self.selection.times_of(track))));
+        let keys: Vec<_> = self.selection.keyed().into_iter().filter_map(changed).collect();
+        !keys.is_empty() && self.write_keys(label, &keys, series)
+    }
+
+    /// Writes the keys of pins and handles.
+    pub(super) fn write_keys(&mut self, label: &str, keys: &[(Track, TrackKeys)], series: Option<&str>) -> bool {
+        let follows =
+            |(track, _): &(Track, TrackKeys)| if let Track::Pin(at) = track { self.follows(*at) } else { None };
+        if let Some(message) = keys.iter().find_map(follows) {
             self.say(message);
+            self.let_go();
             return false;
         }
         let mut text = Ok(self.document.text().to_owned());
-        for at in pins {
-            let Some(owner) = shot.layers.get(at[0]) else { continue };
-            let Some(pin) = owner.pins.get(at[1]) else { continue };
-            let keys = edit.apply(&pin.keys, &self.selection.times_of(at));
-            let name = PinName { layer: &owner.name, pin: &pin.name };
-            text = text.and_then(|text| put_keys(&text, name, &keys));
+        for (track, keys) in keys {
+            let Some(owner) = self.document.shot().layers.get(track.layer()) else { continue };
+            text = match (track, keys) {
+                (Track::Pin([_, pin]), TrackKeys::Pin(keys)) => {
+                    let Some(pin) = owner.pins.get(*pin) else { continue };
+                    text.and_then(|text| put_keys(&text, PinName { layer: &owner.name, pin: &pin.name }, keys))
+                }
+                (Track::Handle((_, index)), TrackKeys::Handle(keys)) => {
+                    text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, index), keys))
+                }
+                _ => continue,
+            };
         }
-        for at in handles {
-            let Some(owner) = shot.layers.get(at.0) else { continue };
-            let Some(track) = owner.handles.iter().find(|track| track.index == at.1) else { continue };
-            let keys = edit.apply(&track.keys, &self.selection.times_of_handle(at));
-            text = text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, &at.1), &keys));
-        }
-        self.change(label, text, None)
+        self.change(label, text, series)
     }
 
     /// Deletes the selected keys; the last key of a pin or handle is kept.
     pub fn delete_keys(&mut self) {
-        self.change_keys("Delete keys", KeyEdit::Remove);
+        if self.selection.keys.is_empty() {
+            return self.say("No key is selected: click one in the timeline first.");
+        }
+        self.change_keys("Delete keys", None, |keys, times| keys.edited(KeyEdit::Remove, times));
     }
 
     /// Moves the selected keys by a number of frames.
@@ -171,41 +178,43 @@ impl Session {
             return;
         }
         let by = f64::from(by);
-        let pins: Vec<_> = self.selection.keys.iter().map(|(at, time)| (*at, time + by)).collect();
-        let handles: Vec<_> = self.selection.handle_keys.iter().map(|(at, time)| (*at, time + by)).collect();
-        if self.change_keys("Move keys", KeyEdit::Shift(by)) {
-            (self.selection.keys, self.selection.handle_keys) = (pins, handles);
+        let moved: Vec<_> = self.selection.keys.iter().map(|(track, time)| (*track, time + by)).collect();
+        if self.change_keys("Move keys", None, |keys, times| keys.edited(KeyEdit::Shift(by), times)) {
+            self.selection.keys = moved;
         }
     }
 
     /// Sets the ease of the selected keys, or of all keys of the selected pins and handles if no key is selected.
     pub fn ease_keys(&mut self, preset: EasePreset) {
-        if !self.selection.has_keys() {
+        if self.selection.keys.is_empty() {
             let shot = self.document.shot();
-            let of = |at: [usize; 2]| shot.layers[at[0]].pins[at[1]].keys.iter().map(move |key| (at, key.frame));
-            let of_handle = |at: (usize, [usize; 3])| {
-                let tracks = shot.layers[at.0].handles.iter().filter(move |track| track.index == at.1);
-                tracks.flat_map(move |track| track.keys.iter().map(move |key| (at, key.frame)))
-            };
-            let keys: Vec<_> = self.selection.pins.iter().copied().flat_map(of).collect();
-            let handle_keys: Vec<_> = self.selection.handles.iter().copied().flat_map(of_handle).collect();
-            (self.selection.keys, self.selection.handle_keys) = (keys, handle_keys);
+            let times = |track: Track| track.times(shot).into_iter().map(move |(time, _)| (track, time));
+            self.selection.keys = self.selection.tracks().into_iter().flat_map(times).collect();
         }
-        self.change_keys(&format!("{} keys", preset.name()), KeyEdit::Ease(preset.ease()));
+        let label = format!("{} keys", preset.name());
+        self.change_keys(&label, None, |keys, times| keys.edited(KeyEdit::Ease(preset.ease()), times));
     }
 
-    /// Goes to the next or previous key of the selected pins, or of the layer's if no pin is selected.
+    /// Returns the selected pins and handles, or all of the selected layer if none is selected.
+    #[must_use]
+    pub(crate) fn tracks_of_interest(&self) -> Vec<Track> {
+        let chosen = self.selection.tracks();
+        if chosen.is_empty() { self.tracks() } else { chosen }
+    }
+
+    /// Returns the pins of the selected layer, then its handles that have keys.
+    #[must_use]
+    pub(crate) fn tracks(&self) -> Vec<Track> {
+        let layer = self.selection.layer;
+        let Some(owner) = self.shot().layers.get(layer) else { return Vec::new() };
+        let pins = (0..owner.pins.len()).map(|pin| Track::Pin([layer, pin]));
+        pins.chain(owner.handles.iter().map(|own| Track::Handle((layer, own.index)))).collect()
+    }
+
+    /// Goes to the next or previous key of the selected pins and handles, or of the layer's if none is selected.
     pub(crate) fn go_to_key(&mut self, forward: bool) {
         let (shot, here) = (self.document.shot(), f64::from(self.playhead.frame()));
-        let layer = self.selection.layer;
-        let is_wanted = |at: [usize; 2]| match self.selection.pins.is_empty() {
-            true => at[0] == layer,
-            false => self.selection.pins.contains(&at),
-        };
-        let times = shot.layers.iter().enumerate().flat_map(|(layer, owner)| {
-            let pins = owner.pins.iter().enumerate().filter(move |(pin, _)| is_wanted([layer, *pin]));
-            pins.flat_map(|(_, pin)| pin.keys.iter().map(|key| key.frame))
-        });
+        let times = self.tracks_of_interest().into_iter().flat_map(|track| track.times(shot)).map(|(time, _)| time);
         let next = match forward {
             true => times.filter(|time| *time > here).min_by(f64::total_cmp),
             false => times.filter(|time| *time < here).max_by(f64::total_cmp),

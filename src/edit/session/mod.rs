@@ -8,16 +8,20 @@ mod curves;
 mod export_run;
 mod gesture;
 mod handles;
+mod key_steps;
 mod keying;
 mod painting;
 mod placing;
 mod pointer;
 mod render_run;
+mod rings;
 mod selection;
 mod shown;
 
 pub use arrange::MatteChoice;
 pub(crate) use export_run::EXPORTS;
+pub(crate) use key_steps::CurveUnit;
+pub use key_steps::KeyStep;
 pub use keying::EasePreset;
 pub use painting::Brush;
 pub(crate) use painting::{BRUSH_RADII, BRUSH_STIFFNESSES};
@@ -35,7 +39,7 @@ use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
 use super::{Document, EditError};
 use crate::raster::DeviceChoice;
-use crate::shot::{PinKey, Shot, ShotError};
+use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -93,8 +97,8 @@ pub struct Session {
     is_written: bool,
     fault: Option<String>,
     message: Option<String>,
-    /// Copied keys, with the names of their pins.
-    copied: Vec<(String, Vec<PinKey>)>,
+    /// Copied keys.
+    copied: Vec<clipboard::Copied>,
     run: Option<RenderRun>,
     /// Receives the output of a running export.
     export: Option<std::sync::mpsc::Receiver<String>>,
@@ -268,7 +272,7 @@ impl Session {
             Reply::Drawn(picture) => self.take_picture(picture),
             Reply::Before(picture) => self.before = Some(picture),
             Reply::Picked(id, point) => self.picked(id, point),
-            Reply::Brushed(id, point) => self.brushed(id, point),
+            Reply::Brushed { id, point, mirrored } => self.brushed(id, point.map(|point| (point, mirrored))),
             Reply::Painted { revision, frame, triangles } => self.take_painted((revision, frame), triangles),
             Reply::Progress(part) => self.progress = (part < 1.0).then_some(part),
             Reply::Failed(text) => {

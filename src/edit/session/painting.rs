@@ -2,10 +2,10 @@
 //!
 //! In: the pen's way, the worker's answers about what lies under it. Out: one document change per stroke.
 
-use super::gesture::{Gesture, Painting};
+use super::gesture::{Gesture, PaintedLine, Painting};
 use super::{Purpose, Session};
 use crate::edit::worker::Question;
-use crate::pipeline::{BrushPoint, StiffTriangle};
+use crate::pipeline::{BrushPoint, PaintedPlace, StiffTriangle};
 use crate::shot::edit::{add_stroke, remove_strokes};
 use crate::shot::{BrushStroke, Shot, Source};
 use crate::space::ScreenPoint;
@@ -58,12 +58,12 @@ impl Session {
         self.next_question += 1;
         self.gesture = Gesture::Paint(Painting {
             id: self.next_question,
-            strokes: Vec::new(),
+            line: PaintedLine::default(),
+            mirrored: PaintedLine::default(),
             layer: None,
             value: if erases { 1.0 } else { self.brush.stiffness },
             asked_at: at,
             waiting: 0,
-            is_broken: true,
             is_up: false,
             base: Arc::new(self.document.shot().clone()),
         });
@@ -86,22 +86,25 @@ impl Session {
         for &at in points {
             painting.asked_at = at;
             painting.waiting += 1;
-            self.worker.ask(Question::Brush { id: painting.id, at });
+            self.worker.ask(Question::Brush { id: painting.id, at, mirrors: self.mirrors });
         }
     }
 
-    /// Takes the worker's answer about what lies under the brush.
-    pub(super) fn brushed(&mut self, id: u64, point: Option<BrushPoint>) {
+    /// Takes the worker's answer about what lies under the brush, and on the other side of the model.
+    pub(super) fn brushed(&mut self, id: u64, point: Option<(BrushPoint, Option<PaintedPlace>)>) {
         let radius = self.brush.radius;
         let Gesture::Paint(painting) = &mut self.gesture else { return };
         if painting.id != id {
             return;
         }
         painting.waiting = painting.waiting.saturating_sub(1);
-        match point.filter(|point| painting.layer.is_none_or(|layer| layer == point.layer)) {
-            None => painting.is_broken = true,
-            Some(point) => {
-                painting.add(&point, radius);
+        match point.filter(|(point, _)| painting.layer.is_none_or(|layer| layer == point.layer)) {
+            None => (painting.line.goes_on, painting.mirrored.goes_on) = (false, false),
+            Some((point, mirrored)) => {
+                painting.layer = Some(point.layer);
+                let (radius, value) = (rounded(radius * point.per_height), painting.value);
+                painting.line.add(Some(&point.place), radius, value);
+                painting.mirrored.add(mirrored.as_ref(), radius, value);
                 self.show_painting();
             }
         }
@@ -110,10 +113,10 @@ impl Session {
 
     /// Shows the layer with the stroke as far as it goes.
     fn show_painting(&mut self) {
-        let Gesture::Paint(Painting { layer: Some(layer), strokes, base, .. }) = &self.gesture else { return };
+        let Gesture::Paint(Painting { layer: Some(layer), line, mirrored, base, .. }) = &self.gesture else { return };
         let mut shot = Shot::clone(base);
         let Some(own) = shot.layers.get_mut(*layer) else { return };
-        own.strokes.extend(strokes.iter().cloned());
+        own.strokes.extend(line.strokes.iter().chain(&mirrored.strokes).cloned());
         if self.dragged.is_none() {
             self.revision += 1;
         }
@@ -125,9 +128,9 @@ impl Session {
     pub(super) fn end_stroke(&mut self) {
         let Gesture::Paint(Painting { is_up: true, waiting: 0, .. }) = self.gesture else { return };
         let Gesture::Paint(painting) = std::mem::replace(&mut self.gesture, Gesture::Idle) else { return };
-        let Painting { strokes, layer, value, .. } = painting;
+        let Painting { line, mirrored, layer, value, .. } = painting;
         let named = layer.and_then(|layer| Some((layer, self.document.shot().layers.get(layer)?)));
-        let Some((layer, owner)) = named.filter(|_| !strokes.is_empty()) else {
+        let Some((layer, owner)) = named.filter(|_| !line.strokes.is_empty()) else {
             return self.say("No layer's surface lies under the brush: paint over the model.");
         };
         if value == 1.0 && owner.strokes.is_empty() {
@@ -135,13 +138,15 @@ impl Session {
             return self.say("Nothing is painted there.");
         }
         let mut text = Ok(self.document.text().to_owned());
-        for stroke in &strokes {
+        for stroke in line.strokes.iter().chain(&mirrored.strokes) {
             text = text.and_then(|text| add_stroke(&text, &owner.name, stroke));
         }
         let label = if value == 1.0 { "Erase stiffness" } else { "Paint stiffness" };
         self.selection.layer = layer;
         self.document.end_series();
-        self.change(label, text, None);
+        if self.change(label, text, None) && self.mirrors && mirrored.strokes.is_empty() {
+            self.say("Only this side is painted: the layer's model has no other side there.");
+        }
     }
 
     /// Removes all that was painted on the selected layer.
@@ -190,26 +195,25 @@ impl Session {
     }
 }
 
-impl Painting {
-    /// Appends a point, to the last stroke if it is near enough.
-    fn add(&mut self, point: &BrushPoint, brush_radius: f64) {
+impl PaintedLine {
+    /// Appends a place, to the last stroke if it is near enough; `None` interrupts the line.
+    fn add(&mut self, place: Option<&PaintedPlace>, radius: f64, value: f64) {
+        let goes_on = std::mem::replace(&mut self.goes_on, place.is_some());
+        let Some(place) = place else { return };
         let far = |stroke: &BrushStroke| {
             let last = stroke.points.last().map_or([f64::INFINITY; 3], |&last| last);
-            let square: f64 = last.iter().zip(point.at).map(|(a, b)| (a - b).powi(2)).sum();
+            let square: f64 = last.iter().zip(place.at).map(|(a, b)| (a - b).powi(2)).sum();
             square.sqrt() > APART * stroke.radius
         };
-        self.layer = Some(point.layer);
-        if self.is_broken || self.strokes.last().is_none_or(far) {
-            let radius = rounded(brush_radius * point.per_height);
-            self.strokes.push(BrushStroke { nodes: Vec::new(), points: Vec::new(), radius, value: self.value });
+        if !goes_on || self.strokes.last().is_none_or(far) {
+            self.strokes.push(BrushStroke { nodes: Vec::new(), points: Vec::new(), radius, value });
         }
-        self.is_broken = false;
         let Some(stroke) = self.strokes.last_mut() else { return };
-        if !stroke.nodes.contains(&point.node) {
-            stroke.nodes.push(point.node.clone());
+        if !stroke.nodes.contains(&place.node) {
+            stroke.nodes.push(place.node.clone());
         }
         let fine = stroke.radius / 100.0;
-        stroke.points.push(point.at.map(|x| rounded((x / fine).round() * fine)));
+        stroke.points.push(place.at.map(|x| rounded((x / fine).round() * fine)));
     }
 }
 

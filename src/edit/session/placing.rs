@@ -205,21 +205,6 @@ impl Session {
         self.selection.pins = (0..count).map(|pin| [layer, pin]).collect();
     }
 
-    /// Writes the keys of several pins.
-    pub(super) fn write_keys(&mut self, label: &str, keys: &[([usize; 2], Vec<PinKey>)], series: Option<&str>) -> bool {
-        if let Some(message) = keys.iter().find_map(|(at, _)| self.follows(*at)) {
-            self.say(message);
-            self.let_go();
-            return false;
-        }
-        let mut text = Ok(self.document.text().to_owned());
-        for (at, keys) in keys {
-            let Some((layer, pin)) = self.names_of(*at) else { continue };
-            text = text.and_then(|text| put_keys(&text, PinName { layer: &layer, pin: &pin }, keys));
-        }
-        self.change(label, text, series)
-    }
-
     /// Returns a message if a pin cannot have keys of its own, because it follows another one.
     pub(super) fn follows(&self, at: [usize; 2]) -> Option<String> {
         let shot = self.document.shot();

@@ -3,15 +3,14 @@
 //! In: pointer positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
 use super::gesture::{Gesture, Painting};
-use super::handles::axes_of;
 use super::painting::BRUSH_RADII;
 use super::shown::Wipe;
 use super::{Purpose, Session};
 use crate::edit::EditError;
 use crate::edit::track::{Move, PinScale, key_time, moved};
+use crate::edit::track_keys::{Track, TrackKeys};
 use crate::pipeline::LayerMarks;
-use crate::shot::edit::put_handle;
-use crate::shot::{PinKey, PinRegion, Shot};
+use crate::shot::{PinRegion, Shot};
 use crate::space::ScreenPoint;
 use crate::spelling::other_side;
 use glam::DVec2;
@@ -66,10 +65,10 @@ impl Session {
     pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
         self.playhead.go(self.playhead.frame());
         let base = Arc::new(self.document.shot().clone());
-        if let Some(center) = self.ring_center().filter(|_| held.part == PinPart::Target)
-            && ((at - center).0.length() - ring.radius).abs() <= ring.reach
+        if held.part == PinPart::Target
+            && let Some(gesture) = self.turn_at(at, ring, &base)
         {
-            self.gesture = Gesture::Turn { center, from: at, base };
+            self.gesture = gesture;
             return;
         }
         if let Some((pin, rest)) = self.pin_near(at, reach) {
@@ -163,6 +162,12 @@ impl Session {
                 };
                 self.show_dragged(grown);
             }
+            Gesture::TurnAbout { center, radius, axis, ring, from, base } => {
+                let ([start, now], base) = ([*from, to].map(|point| (point - *center).0 / *radius), Arc::clone(base));
+                let change = Move::TurnAbout(*axis, ring.angle(start, now).to_degrees());
+                let turned = self.dragged_shot(&base, change);
+                self.show_dragged(turned);
+            }
             Gesture::Region { pin: [layer, pin], rest, base } => {
                 let radius = (to - *rest).0.length().clamp(RADII[0], RADII[1]);
                 let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
@@ -207,7 +212,7 @@ impl Session {
                 self.commit("Move", &base);
                 self.explain_lone_pin();
             }
-            Gesture::Turn { base, .. } => self.commit("Turn", &base),
+            Gesture::Turn { base, .. } | Gesture::TurnAbout { base, .. } => self.commit("Turn", &base),
             Gesture::Region { pin, .. } | Gesture::Stiffness { pin, .. } => {
                 let region = self.shot().layers.get(pin[0]).and_then(|layer| layer.pins.get(pin[1])?.region);
                 self.document.end_series();
@@ -327,45 +332,22 @@ impl Session {
     /// Commits a drag to the document.
     fn commit_series(&mut self, what: &str, base: &Shot, series: Option<&str>) {
         let Some(shot) = self.dragged.clone() else { return };
-        let mut keys: Vec<([usize; 2], Vec<PinKey>)> = Vec::new();
-        let all = self.selection.pins.iter().copied().chain(self.counterparts(base));
-        for [layer, pin] in all {
-            let new = &shot.layers[layer].pins[pin].keys;
-            if *new != base.layers[layer].pins[pin].keys {
-                keys.push(([layer, pin], new.clone()));
-            }
-        }
-        let mut text = Ok(self.document.text().to_owned());
-        for &(layer, index) in &self.selection.handles {
-            let owner = &shot.layers[layer];
-            let Some(track) = owner.handles.iter().find(|track| track.index == index) else { continue };
-            text = text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, &index), &track.keys));
-        }
-        let things = match (keys.len(), self.selection.handles.len()) {
+        let pins = self.selection.pins.iter().copied().chain(self.counterparts(base)).map(Track::Pin);
+        let handles = self.selection.handles.iter().copied().map(Track::Handle);
+        let changed = |track: Track| {
+            let keys = track.keys(&shot)?;
+            (track.keys(base).as_ref() != Some(&keys)).then_some((track, keys))
+        };
+        let keys: Vec<(Track, TrackKeys)> = pins.chain(handles).filter_map(changed).collect();
+        let count = keys.iter().filter(|(track, _)| matches!(track, Track::Pin(_))).count();
+        let things = match (count, self.selection.handles.len()) {
             (1, 0) => "pin",
             (_, 0) => "pins",
             (0, _) => "handles",
             _ => "pins and handles",
         };
         let label = format!("{what} {things}");
-        if self.selection.handles.is_empty() {
-            self.write_keys(&label, &keys, series);
-        } else {
-            for (at, keys) in &keys {
-                let Some((layer, pin)) = self.names_of(*at) else { continue };
-                let name = crate::shot::edit::PinName { layer: &layer, pin: &pin };
-                text = text.and_then(|text| crate::shot::edit::put_keys(&text, name, keys));
-            }
-            self.change(&label, text, series);
-        }
-    }
-
-    /// Returns the target of the single selected pin.
-    #[must_use]
-    pub(crate) fn ring_center(&self) -> Option<ScreenPoint> {
-        let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.pins && !self.shown.is_hidden)?;
-        let marks = self.marks_of(layer)?;
-        marks.pins.iter().find(|mark| mark.pin == pin).map(|mark| mark.target)
+        self.write_keys(&label, &keys, series);
     }
 
     /// Returns the nearest pin and its rest position.

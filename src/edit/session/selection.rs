@@ -2,6 +2,7 @@
 //!
 //! In: clicks. Out: sets of indices into the shot.
 
+use crate::edit::Track;
 use crate::shot::Shot;
 use std::collections::BTreeSet;
 
@@ -13,11 +14,9 @@ pub struct Selection {
     /// Indices of layer and pin.
     pub pins: BTreeSet<[usize; 2]>,
     /// Index of the layer, and lattice coordinates of the handle.
-    pub(crate) handles: BTreeSet<(usize, [usize; 3])>,
-    /// Indices of layer and pin, and the times of their keys.
-    pub(crate) keys: Vec<([usize; 2], f64)>,
-    /// Index of the layer, lattice coordinates of handles, and the times of their keys.
-    pub(crate) handle_keys: Vec<((usize, [usize; 3]), f64)>,
+    pub handles: BTreeSet<(usize, [usize; 3])>,
+    /// Pins and handles, and the times of their keys, in the order in which they were chosen.
+    pub keys: Vec<(Track, f64)>,
 }
 
 impl Selection {
@@ -50,44 +49,53 @@ impl Selection {
         let pin = |[layer, pin]: [usize; 2]| shot.layers.get(layer).and_then(|layer| layer.pins.get(pin));
         self.layer = self.layer.min(shot.layers.len().saturating_sub(1));
         self.pins.retain(|&at| pin(at).is_some());
-        self.keys.retain(|(at, time)| pin(*at).is_some_and(|pin| pin.keys.iter().any(|key| key.frame == *time)));
-        self.handle_keys.retain(|((layer, index), time)| {
-            let tracks = shot.layers.get(*layer).into_iter().flat_map(|layer| &layer.handles);
-            tracks.filter(|track| track.index == *index).any(|track| track.keys.iter().any(|key| key.frame == *time))
-        });
+        self.keys.retain(|(track, time)| track.times(shot).iter().any(|(other, _)| other == time));
         self.handles.retain(|(layer, index)| {
             let dims = shot.layers.get(*layer).map(|layer| layer.space.dims());
             dims.is_some_and(|dims| (0..3).all(|axis| index[axis] < dims[axis]))
         });
     }
 
+    /// Selects a pin or handle in addition.
+    pub(crate) fn add(&mut self, track: Track) {
+        self.layer = track.layer();
+        match track {
+            Track::Pin(at) => _ = self.pins.insert(at),
+            Track::Handle(at) => _ = self.handles.insert(at),
+        }
+    }
+
+    /// Returns the selected pins and handles.
+    #[must_use]
+    pub(crate) fn tracks(&self) -> Vec<Track> {
+        let pins = self.pins.iter().copied().map(Track::Pin);
+        pins.chain(self.handles.iter().copied().map(Track::Handle)).collect()
+    }
+
+    /// Returns whether a pin or handle is selected.
+    #[must_use]
+    pub(crate) fn has(&self, track: Track) -> bool {
+        match track {
+            Track::Pin(at) => self.pins.contains(&at),
+            Track::Handle(at) => self.handles.contains(&at),
+        }
+    }
+
     /// Returns whether a key is selected.
     #[must_use]
-    pub(crate) fn has_key(&self, at: [usize; 2], time: f64) -> bool {
-        self.keys.iter().any(|(other, when)| *other == at && *when == time)
+    pub(crate) fn has_key(&self, track: Track, time: f64) -> bool {
+        self.keys.contains(&(track, time))
     }
 
-    /// Returns whether any key of a pin or handle is selected.
+    /// Returns the pins and handles with selected keys, in order.
     #[must_use]
-    pub(crate) fn has_keys(&self) -> bool {
-        !(self.keys.is_empty() && self.handle_keys.is_empty())
+    pub(crate) fn keyed(&self) -> BTreeSet<Track> {
+        self.keys.iter().map(|(track, _)| *track).collect()
     }
 
-    /// Clears the selected keys.
-    pub(crate) fn clear_keys(&mut self) {
-        self.keys.clear();
-        self.handle_keys.clear();
-    }
-
-    /// Returns the times of the selected keys of a handle.
+    /// Returns the times of the selected keys of a pin or handle.
     #[must_use]
-    pub(crate) fn times_of_handle(&self, at: (usize, [usize; 3])) -> Vec<f64> {
-        self.handle_keys.iter().filter(|(other, _)| *other == at).map(|(_, time)| *time).collect()
-    }
-
-    /// Returns the times of the selected keys of a pin.
-    #[must_use]
-    pub(crate) fn times_of(&self, at: [usize; 2]) -> Vec<f64> {
-        self.keys.iter().filter(|(other, _)| *other == at).map(|(_, time)| *time).collect()
+    pub(crate) fn times_of(&self, track: Track) -> Vec<f64> {
+        self.keys.iter().filter(|(other, _)| *other == track).map(|(_, time)| *time).collect()
     }
 }

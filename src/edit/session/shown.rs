@@ -2,8 +2,11 @@
 //!
 //! In: user commands. Out: plain switches, unaffected by other operations.
 
+use serde::{Deserialize, Serialize};
+
 /// Display options of the viewport.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Shown {
     /// Lattice lines.
     pub(crate) lattice: bool,
@@ -28,13 +31,16 @@ pub struct Shown {
     /// Onion skins.
     pub(crate) onion: Onion,
     /// Comparison with the unwarped frame.
+    #[serde(skip)]
     pub(crate) wipe: Wipe,
     /// Whether all overlays are hidden temporarily.
+    #[serde(skip)]
     pub(crate) is_hidden: bool,
 }
 
 /// Onion skins: neighbouring frames behind the current one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct Onion {
     /// Number of frames on either side; 0: off.
     pub(crate) count: u32,
@@ -67,6 +73,20 @@ impl Wipe {
     }
 }
 
+impl Default for Onion {
+    fn default() -> Self {
+        Self { count: 0, every: 2, opacity: 0.4, tints: [[255, 150, 130], [130, 190, 255]] }
+    }
+}
+
+impl Shown {
+    /// Returns what holds in the next session, too: no comparison, nothing hidden.
+    #[must_use]
+    pub(crate) const fn lasting(self) -> Self {
+        Self { wipe: Wipe::Off, is_hidden: false, ..self }
+    }
+}
+
 impl Default for Shown {
     fn default() -> Self {
         Self {
@@ -80,7 +100,7 @@ impl Default for Shown {
             folds: true,
             safe_areas: false,
             trails: false,
-            onion: Onion { count: 0, every: 2, opacity: 0.4, tints: [[255, 150, 130], [130, 190, 255]] },
+            onion: Onion::default(),
             wipe: Wipe::Off,
             is_hidden: false,
         }

@@ -18,6 +18,12 @@ impl Editor {
             Action::Tour => self.tour(ctx),
             Action::Render => self.render(ctx),
             Action::Curves => self.timeline.toggle_curves(),
+            // Whoever deletes key after key in the timeline means no pin.
+            Action::Delete if self.timeline.has_focus() => {
+                if let Some(session) = &mut self.session {
+                    session.delete_keys();
+                }
+            }
             _ => {
                 if let Some(session) = &mut self.session {
                     on_session(ctx, session, action, now);
@@ -56,7 +62,7 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
             ctx.copy_text("keys of pinwarp".to_owned());
         }
         Action::Paste => session.paste_keys(),
-        Action::Delete if !session.selection.has_keys() => session.delete_pins(),
+        Action::Delete if session.selection.keys.is_empty() => session.delete_pins(),
         Action::Delete => session.delete_keys(),
         Action::Mute => session.mute_chosen(),
         Action::Mirror => flip(&mut session.mirrors),

@@ -1,12 +1,15 @@
-//! The curve editor: keys of the selected pins as curves, in place of the timeline's rows.
+//! The curve editor: keys of the selected pins and handles as curves, in place of the timeline's rows.
 //!
 //! In: a [`Session`], the time scale. Out: curves; keys dragged to other times and values.
 
+use super::accessible::{self, Part};
+use super::arrow_keys::{self, Arrow, With};
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
-use crate::edit::{Channel, Session, Tangent};
+use crate::edit::{Channel, CurveUnit, KeyStep, Session, Tangent, Track};
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 
 /// Samples of a curve per frame, at most.
@@ -20,6 +23,8 @@ const REACH: f32 = 8.0;
 pub(super) struct CurveView {
     kind: Kind,
     drag: Option<Drag>,
+    /// The curve that the keyboard edits.
+    current: Option<(Track, Channel)>,
 }
 
 /// Channels that share an axis.
@@ -46,7 +51,7 @@ impl Kind {
 /// The drag in progress. The axis is frozen when the drag begins.
 #[derive(Clone, Copy)]
 struct Drag {
-    at: [usize; 2],
+    track: Track,
     channel: Channel,
     /// Time of the key, or of the key that holds the ease.
     time: f64,
@@ -60,10 +65,10 @@ impl Drag {
     fn go(&mut self, session: &mut Session, scale: FrameScale, pen: Pos2) {
         let (time, value) = (f64::from(scale.frame(pen.x)), self.axis.value(pen.y));
         if let Some(control) = self.control {
-            return session.bend_curve(self.at, (self.time, control), self.channel, [time, value]);
+            return session.bend_curve(self.track, (self.time, control), self.channel, [time, value]);
         }
-        session.move_curve_key((self.at, self.time), self.channel, [time.round(), value]);
-        let times = session.selection.times_of(self.at);
+        session.move_curve_key((self.track, self.time), self.channel, [time.round(), value]);
+        let times = session.selection.times_of(self.track);
         self.time = times.first().copied().unwrap_or(self.time);
     }
 }
@@ -90,7 +95,7 @@ impl Axis {
 
 /// A curve and its keys.
 struct Curve {
-    at: [usize; 2],
+    track: Track,
     channel: Channel,
     points: Vec<[f64; 2]>,
     keys: Vec<[f64; 2]>,
@@ -99,13 +104,14 @@ struct Curve {
 }
 
 impl CurveView {
-    pub(super) fn show(&mut self, ui: &mut Ui, session: &mut Session, scale: FrameScale) {
+    /// Shows the curves; returns whether they have keyboard focus.
+    pub(super) fn show(&mut self, ui: &mut Ui, session: &mut Session, scale: FrameScale) -> bool {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Curves of keys"));
+        response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, "Curves of keys"));
         let names = Rect::from_min_max(rect.min, pos2(rect.left() + NAMES - 8.0, rect.bottom()));
-        ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui));
         let curves = self.curves(session, scale);
+        ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui, session, &curves));
         let axis = self.drag.map_or_else(|| axis_of(&curves, rect.shrink2(vec2(0.0, 10.0))), |drag| drag.axis);
         let plot = Rect::from_min_max(pos2(rect.left() + NAMES, rect.top()), rect.max);
         let painter = ui.painter_at(rect);
@@ -119,15 +125,33 @@ impl CurveView {
         for curve in &curves {
             draw(&painter, curve, (scale, axis), session);
         }
+        self.name_keys(ui, session, &response, (&curves, scale, axis));
+        self.keyboard(ui, session, &response, &curves);
+        if response.has_focus() {
+            painter.rect_stroke(plot.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
+        }
+        self.pen(ui, session, (&response, plot), (&curves, scale, axis));
+        response.has_focus()
+    }
+
+    fn pen(
+        &mut self,
+        ui: &Ui,
+        session: &mut Session,
+        (response, plot): (&Response, Rect),
+        (curves, scale, axis): (&[Curve], FrameScale, Axis),
+    ) {
         let pressed = ui.input(|input| input.pointer.primary_pressed());
         let Some(pen) = response.interact_pointer_pos() else {
             self.drag = None;
             return;
         };
         if pressed && response.contains_pointer() {
-            self.drag = nearest(&curves, pen, scale, axis);
+            response.request_focus();
+            self.drag = nearest(curves, pen, scale, axis);
+            self.current = self.drag.map(|drag| (drag.track, drag.channel)).or(self.current);
             match self.drag {
-                Some(Drag { control: None, at, time, .. }) => session.choose_key(at, time, false),
+                Some(Drag { control: None, track, time, .. }) => session.choose_key(track, time, false),
                 Some(_) => {}
                 None if pen.x >= plot.left() => session.go(scale.frame(pen.x).round() as i32),
                 None => {}
@@ -140,7 +164,58 @@ impl CurveView {
         }
     }
 
-    fn kinds(&mut self, ui: &mut Ui) {
+    /// Makes the keys known to screen readers, which choose them.
+    fn name_keys(
+        &mut self,
+        ui: &Ui,
+        session: &mut Session,
+        response: &Response,
+        (curves, scale, axis): (&[Curve], FrameScale, Axis),
+    ) {
+        let all = || curves.iter().flat_map(|curve| curve.keys.iter().map(move |key| (curve, key)));
+        let parts = all().map(|(curve, &[time, value])| Part {
+            id: response.id.with((curve.track, curve.channel, time.to_bits())),
+            rect: Rect::from_center_size(pos2(scale.x(time), axis.y(value)), Vec2::splat(2.0 * REACH)),
+            label: format!(
+                "{} of {}, frame {time}: {}",
+                curve.channel.name(),
+                curve.track.name(session.shot()),
+                (value * 1e3).round() / 1e3
+            ),
+            is_chosen: self.current == Some((curve.track, curve.channel))
+                && session.selection.has_key(curve.track, time),
+        });
+        let chosen = accessible::parts(ui, response, parts);
+        if let Some((curve, key)) = chosen.and_then(|place| all().nth(place)) {
+            self.current = Some((curve.track, curve.channel));
+            session.choose_key(curve.track, key[0], false);
+            response.request_focus();
+        }
+    }
+
+    /// Handles the keyboard: arrows step from key to key and raise or lower keys; with Alt they move keys in time, or
+    /// go to another curve.
+    fn keyboard(&mut self, ui: &Ui, session: &mut Session, response: &Response, curves: &[Curve]) {
+        for Arrow { way: [right, up], with } in arrow_keys::take(ui, response) {
+            let of = |curve: &Curve| (curve.track, curve.channel);
+            let place = curves.iter().position(|curve| Some(of(curve)) == self.current);
+            let Some((track, channel)) = curves.get(place.unwrap_or(0)).map(of) else { return };
+            self.current = Some((track, channel));
+            match with {
+                With::Alt if right != 0 => session.nudge_keys(right),
+                With::Alt => {
+                    let next = (place.unwrap_or(0) as i32 - up).rem_euclid(curves.len() as i32);
+                    self.current = curves.get(next as usize).map(of);
+                }
+                With::Shift if right != 0 => session.step_key(track, right > 0, KeyStep::Add),
+                With::Nothing if right != 0 => session.step_key(track, right > 0, KeyStep::Only),
+                With::Shift => session.raise_keys(channel, 10.0 * f64::from(up)),
+                With::Nothing => session.raise_keys(channel, f64::from(up)),
+            }
+        }
+    }
+
+    fn kinds(&mut self, ui: &mut Ui, session: &Session, curves: &[Curve]) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().button_padding.x = 4.0;
             ui.spacing_mut().item_spacing.x = 3.0;
@@ -150,34 +225,33 @@ impl CurveView {
                 }
             }
         });
-        for channel in self.kind.channels() {
-            ui.colored_label(color(*channel), channel.name());
+        for &channel in self.kind.channels() {
+            let own = curves.iter().filter(|curve| curve.channel == channel);
+            let units: Vec<CurveUnit> = own.map(|curve| session.unit_of(curve.track, channel)).collect();
+            let Some(&unit) = units.first() else { continue };
+            // Curves of pins and handles may have different units.
+            let unit = if units.iter().all(|other| *other == unit) { unit.name() } else { "" };
+            let comma = if unit.is_empty() { "" } else { ", " };
+            ui.colored_label(color(channel), format!("{}{comma}{unit}", channel.name()));
         }
     }
 
-    /// Returns the curves of the selected pins, or of all the layer's pins if none is selected.
+    /// Returns the curves of the selected pins and handles, or of all in the layer if none is selected.
     fn curves(&self, session: &Session, scale: FrameScale) -> Vec<Curve> {
         let [first, last] = session.playhead.shot_range();
         let per_frame = if scale.x(1.0) - scale.x(0.0) > 4.0 { PER_FRAME } else { 1 };
         let times: Vec<f64> =
             (first * per_frame..=last * per_frame).map(|k| f64::from(k) / f64::from(per_frame)).collect();
-        let chosen = &session.selection;
-        let pins: Vec<[usize; 2]> = match chosen.pins.is_empty() {
-            false => chosen.pins.iter().copied().collect(),
-            true => {
-                let count = session.shot().layers.get(chosen.layer).map_or(0, |layer| layer.pins.len());
-                (0..count).map(|pin| [chosen.layer, pin]).collect()
-            }
-        };
-        let curve = |at: [usize; 2], channel: Channel| Curve {
-            at,
+        let curve = |(track, channel): (Track, Channel)| Curve {
+            track,
             channel,
-            points: session.curve(at, channel, &times),
-            keys: session.curve_keys(at, channel),
-            tangents: session.tangents(at, channel),
+            points: session.curve(track, channel, &times),
+            keys: session.curve_keys(track, channel),
+            tangents: session.tangents(track, channel),
         };
-        let all = pins.into_iter().flat_map(|at| self.kind.channels().iter().map(move |&channel| (at, channel)));
-        all.map(|(at, channel)| curve(at, channel)).filter(|curve| !curve.points.is_empty()).collect()
+        let tracks = session.tracks_of_interest().into_iter();
+        let all = tracks.flat_map(|track| self.kind.channels().iter().map(move |&channel| (track, channel)));
+        all.map(curve).filter(|curve| !curve.points.is_empty()).collect()
     }
 }
 
@@ -223,7 +297,7 @@ fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), ses
         painter.circle_filled(place(&tangent.to), 3.0, color);
     }
     for key in &curve.keys {
-        let is_chosen = session.selection.has_key(curve.at, key[0]);
+        let is_chosen = session.selection.has_key(curve.track, key[0]);
         painter.circle_filled(place(key), 4.5, if is_chosen { ACCENT } else { color });
         painter.circle_stroke(place(key), 4.5, Stroke::new(1.0, Color32::from_black_alpha(160)));
     }
@@ -238,9 +312,9 @@ fn nearest(curves: &[Curve], pen: Pos2, scale: FrameScale, axis: Axis) -> Option
             found = Some((far, drag));
         }
     };
-    for &Curve { at, channel, ref keys, ref tangents, .. } in curves {
-        keys.iter().for_each(|key| look(key, Drag { at, channel, time: key[0], control: None, axis }));
-        let end = |end: &Tangent| Drag { at, channel, time: end.key, control: Some(end.control), axis };
+    for &Curve { track, channel, ref keys, ref tangents, .. } in curves {
+        keys.iter().for_each(|key| look(key, Drag { track, channel, time: key[0], control: None, axis }));
+        let end = |end: &Tangent| Drag { track, channel, time: end.key, control: Some(end.control), axis };
         tangents.iter().for_each(|tangent| look(&tangent.to, end(tangent)));
     }
     found.map(|(_, drag)| drag)

@@ -2,6 +2,7 @@
 
 use super::browser::{Browser, Choice, Purpose};
 use super::dialogs::Answer;
+use super::kept_view::KeptView;
 use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
@@ -10,15 +11,16 @@ use super::{
     bundled, dialogs, inspector, key_window, keys, layers, menus, nudges, start, theme, tour_window, viewport,
 };
 use crate::edit::{
-    Action, DiskChange, Document, EditError, Reference, Session, Shortcuts, Tour, Unfinished, unfinished,
+    Action, DiskChange, Document, Dropped, EditError, PanelSizes, Reference, Session, Shortcuts, Tour, Unfinished,
+    unfinished,
 };
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
 /// The operation deferred until the user has decided about unsaved work.
 #[derive(Clone, Debug, PartialEq)]
-enum Deferred {
-    Open(PathBuf),
+pub(super) enum Deferred {
+    Open(Dropped),
     Quit,
 }
 
@@ -26,6 +28,7 @@ enum Deferred {
 pub struct Editor {
     pub(super) options: EditorOptions,
     pub(super) shortcuts: Shortcuts,
+    view: KeptView,
     pub(super) session: Option<Session>,
     left: Vec<Unfinished>,
     fault: Option<String>,
@@ -38,7 +41,7 @@ pub struct Editor {
     tour: Option<Tour>,
     pub(super) shows_render: bool,
     conflict: Option<String>,
-    unsaved: Option<Deferred>,
+    pub(super) unsaved: Option<Deferred>,
     may_close: bool,
 }
 
@@ -46,6 +49,14 @@ impl Editor {
     /// Starts without an open document.
     #[must_use]
     pub fn new(ctx: &egui::Context, options: EditorOptions) -> Self {
+        let (view, fault) = KeptView::read(ctx, options.view());
+        let mut editor = Self::with_view(ctx, options, view);
+        editor.fault = editor.fault.or(fault);
+        editor
+    }
+
+    /// Starts without an open document, with a view.
+    pub(super) fn with_view(ctx: &egui::Context, options: EditorOptions, view: KeptView) -> Self {
         theme::install(ctx);
         let (shortcuts, fault) = match Shortcuts::read(&options.keys()) {
             Ok(shortcuts) => (shortcuts, None),
@@ -55,6 +66,7 @@ impl Editor {
         Self {
             options,
             shortcuts,
+            view,
             session: None,
             left,
             fault,
@@ -95,26 +107,23 @@ impl Editor {
     /// Starts editing a document.
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
         document.keep_journal(&self.options.journals());
-        let wake = ctx.clone();
-        self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
-        (self.textures, self.timeline, self.fault) = (Textures::default(), Timeline::default(), None);
+        self.begin_unjournaled(ctx, document);
+        (self.textures, self.timeline) = (Textures::default(), Timeline::default());
+        if let (Some(session), Some(fault)) = (&mut self.session, self.fault.take()) {
+            // What was wrong at the start is told once.
+            session.say(fault);
+        }
     }
 
     /// Starts editing a document without a journal, leaving nothing on disk.
     pub(super) fn begin_unjournaled(&mut self, ctx: &egui::Context, document: Document) {
         let wake = ctx.clone();
-        self.session = Some(Session::new(document, self.options.device.clone(), move || wake.request_repaint()));
+        let mut session = Session::new(document, self.options.device.clone(), move || wake.request_repaint());
+        session.shown = self.view.settings.shown;
+        self.session = Some(session);
     }
 
-    fn try_open(&mut self, ctx: &egui::Context, path: &Path) {
-        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
-            self.unsaved = Some(Deferred::Open(path.to_owned()));
-        } else if let Err(error) = self.open(ctx, path) {
-            self.show_error(&error);
-        }
-    }
-
-    fn show_error(&mut self, error: &EditError) {
+    pub(super) fn show_error(&mut self, error: &EditError) {
         match &mut self.session {
             Some(session) => session.say(error.to_string()),
             None => self.fault = Some(error.to_string()),
@@ -155,27 +164,30 @@ impl Editor {
                 let window = ctx.content_rect().size();
                 let height = (0.25 * window.y).clamp(130.0, 220.0);
                 let width = (0.19 * window.x).clamp(200.0, 262.0);
-                Panel::bottom("timeline").resizable(true).default_size(height).size_range(110.0..=520.0).show(
-                    ui,
-                    |ui| {
-                        ui.add_space(3.0);
-                        self.timeline.show(ui, session, now);
-                    },
-                );
-                Panel::left("layers")
-                    .default_size(width)
-                    .size_range(200.0..=420.0)
-                    .show(ui, |ui| layers::show(ui, session));
-                Panel::right("pin")
-                    .default_size(width)
-                    .size_range(200.0..=420.0)
-                    .show(ui, |ui| inspector::show(ui, session));
+                let kept = self.view.settings.panels;
+                let panel = Panel::bottom("timeline").resizable(true).default_size(kept.timeline.unwrap_or(height));
+                let timeline = panel.size_range(110.0..=520.0).show(ui, |ui| {
+                    ui.add_space(3.0);
+                    self.timeline.show(ui, session, now);
+                });
+                let side = |panel: Panel, size: Option<f32>| {
+                    panel.default_size(size.unwrap_or(width)).size_range(200.0..=420.0)
+                };
+                let layers = side(Panel::left("layers"), kept.layers).show(ui, |ui| layers::show(ui, session));
+                let inspector = side(Panel::right("pin"), kept.inspector).show(ui, |ui| inspector::show(ui, session));
+                let sizes = PanelSizes {
+                    timeline: Some(timeline.response.rect.height()),
+                    layers: Some(layers.response.rect.width()),
+                    inspector: Some(inspector.response.rect.width()),
+                };
+                self.view.see_panels(&ctx, sizes);
                 let central = CentralPanel::no_frame().frame(Frame::NONE);
                 central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
                 nudges::show(&ctx, session);
             }
         }
         self.windows(&ctx);
+        self.view.keep(&ctx, self.session.as_ref().map(|session| session.shown));
         self.close(&ctx);
     }
 
@@ -246,14 +258,6 @@ impl Editor {
         self.browser = Some(Browser::new(purpose, &near));
     }
 
-    /// Handles files dropped on the window.
-    fn drops(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).next());
-        if let Some(path) = dropped {
-            self.try_open(ctx, &path);
-        }
-    }
-
     fn look_at_disk(&mut self) {
         if self.conflict.is_some() || !self.session.as_mut().is_some_and(Session::take_written) {
             return;
@@ -310,7 +314,7 @@ impl Editor {
 
     fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: &Path) {
         match (purpose, &mut self.session) {
-            (Purpose::Open, _) => self.try_open(ctx, path),
+            (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
             (Purpose::SaveAs, Some(session)) => {
                 if let Err(error) = session.save_as(path) {
                     self.show_error(&error);
@@ -355,11 +359,7 @@ impl Editor {
             return;
         }
         match deferred {
-            Deferred::Open(path) => {
-                if let Err(error) = self.open(ctx, &path) {
-                    self.show_error(&error);
-                }
-            }
+            Deferred::Open(files) => self.open_files(ctx, files),
             Deferred::Quit => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -114,26 +114,29 @@ fn place_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], Pi
     let unit = session.shot().layers[at[0]].pins[at[1]].unit;
     let hint = if unit == OffsetUnit::Box { "in sizes of the lattice's box" } else { "in metres of the scene" };
     ui.label(what).on_hover_text(hint);
-    let mut new = old;
+    let Some(new) = three(ui, what, (old, 0.002)) else { return };
+    let rounded = new.map(|value| (value * 1e6).round() / 1e6);
+    let goal = match key.goal {
+        Goal::SceneTarget(_) => Goal::SceneTarget(rounded),
+        _ => Goal::SceneOffset(rounded),
+    };
+    session.put_key(at, PinKey { goal, ..key });
+}
+
+/// Shows three numbers, along or about x, y and z; returns them if one is changed.
+fn three(ui: &mut Ui, what: &str, (mut values, speed): ([f64; 3], f64)) -> Option<[f64; 3]> {
     let is_changed = ui
         .vertical(|ui| {
             let mut is_changed = false;
-            for (value, axis) in new.iter_mut().zip(["x", "y", "z"]) {
-                let number = DragValue::new(value).speed(0.002).max_decimals(4).prefix(format!("{axis} "));
+            for (value, axis) in values.iter_mut().zip(["x", "y", "z"]) {
+                let number = DragValue::new(value).speed(speed).max_decimals(4).prefix(format!("{axis} "));
                 is_changed |= ui.add(number).accessible(&format!("{what} {axis}")).changed();
             }
             is_changed
         })
         .inner;
     ui.end_row();
-    if is_changed {
-        let rounded = new.map(|value| (value * 1e6).round() / 1e6);
-        let goal = match key.goal {
-            Goal::SceneTarget(_) => Goal::SceneTarget(rounded),
-            _ => Goal::SceneOffset(rounded),
-        };
-        session.put_key(at, PinKey { goal, ..key });
-    }
+    is_changed.then_some(values)
 }
 
 fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
@@ -142,6 +145,12 @@ fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
         Some(Rotation::InView(angle)) => Some(Some(angle)),
         Some(Rotation::Axes(_)) => None,
     };
+    if let Some(Rotation::Axes(angles)) = key.rotate_degrees {
+        ui.label("Rotation").on_hover_text("degrees about x, then y, then z");
+        if let Some(new) = three(ui, "Rotation", (angles, 0.5)) {
+            session.put_key(at, PinKey { rotate_degrees: Some(Rotation::Axes(new)), ..key });
+        }
+    }
     if let Some(angle) = angle {
         ui.label("Rotation");
         let mut new = angle.unwrap_or(0.0);

@@ -4,7 +4,7 @@
 
 use super::over;
 use super::theme::heat;
-use crate::edit::{Lens, Session};
+use crate::edit::{AxisRing, Lens, Session};
 use crate::pipeline::{LayerMarks, PinMark};
 use crate::space::ScreenPoint;
 use eframe::egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
@@ -199,6 +199,9 @@ impl Over<'_> {
 
     fn ring(&self) {
         let Some(center) = self.session.ring_center().map(|center| self.at(center)) else { return };
+        if let Some(rings) = self.session.axis_rings() {
+            return rings.into_iter().zip(over::AXES).for_each(|(ring, color)| self.axis_ring(center, ring, color));
+        }
         self.painter.circle_stroke(center, RING, Stroke::new(3.0, Color32::from_black_alpha(70)));
         self.painter.circle_stroke(center, RING, Stroke::new(1.3, Color32::from_white_alpha(170)));
         let angle = self.session.selection.single_pin().and_then(|pin| self.session.key_here(pin)).and_then(|key| {
@@ -208,6 +211,20 @@ impl Over<'_> {
         let knob = center + RING * vec2(angle.unwrap_or(0.0).cos(), -angle.unwrap_or(0.0).sin());
         self.painter.circle_filled(knob, 5.0, over::SHADE);
         self.painter.circle_filled(knob, 3.5, over::CHOSEN);
+    }
+
+    /// Draws a ring about an axis: its far half is faint.
+    fn axis_ring(&self, center: Pos2, ring: AxisRing, color: Color32) {
+        let points: Vec<(Pos2, bool)> =
+            ring.points().map(|at| (center + RING * vec2(at.x as f32, -at.y as f32), at.z >= 0.0)).collect();
+        let pieces = || points.windows(2).map(|pair| ([pair[0].0, pair[1].0], pair[0].1 && pair[1].1));
+        for (line, _) in pieces().filter(|(_, is_near)| *is_near) {
+            self.painter.line_segment(line, Stroke::new(4.0, Color32::from_black_alpha(60)));
+        }
+        for (line, is_near) in pieces() {
+            let (width, color) = if is_near { (2.0, color) } else { (1.0, color.gamma_multiply(0.35)) };
+            self.painter.line_segment(line, Stroke::new(width, color));
+        }
     }
 
     /// Draws the trails of the selected pins, or of all pins of the selected layer if no pin is selected.

@@ -4,15 +4,18 @@
 
 mod accessible;
 mod actions;
+mod arrow_keys;
 mod browser;
 mod brush;
 mod bundled;
 mod curves;
 mod dialogs;
+mod drops;
 mod editor;
 mod frame_scale;
 mod icons;
 mod inspector;
+mod kept_view;
 mod key_window;
 mod keys;
 mod lattice_panel;

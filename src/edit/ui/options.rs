@@ -11,7 +11,7 @@ pub struct EditorOptions {
     pub device: DeviceChoice,
     /// The files that scenes may refer to.
     pub access: FileAccess,
-    /// The folder of journals, the user's key file and unpacked scenes.
+    /// The folder of journals, the user's keys and view, and unpacked scenes.
     pub folder: PathBuf,
 }
 
@@ -31,5 +31,9 @@ impl EditorOptions {
 
     pub(super) fn keys(&self) -> PathBuf {
         self.folder.join("keys.json")
+    }
+
+    pub(super) fn view(&self) -> PathBuf {
+        self.folder.join("view.json")
     }
 }

@@ -23,3 +23,6 @@ pub(super) const FOLD: Color32 = Color32::from_rgba_premultiplied(150, 14, 14, 1
 pub(super) const REGION: Color32 = Color32::from_rgb(120, 210, 120);
 /// Safe areas and selection boxes.
 pub(super) const GUIDE: Color32 = Color32::from_rgba_premultiplied(130, 130, 130, 130);
+/// Rings that turn about x, y and z.
+pub(super) const AXES: [Color32; 3] =
+    [Color32::from_rgb(236, 96, 84), Color32::from_rgb(112, 200, 96), Color32::from_rgb(96, 158, 246)];

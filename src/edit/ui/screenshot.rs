@@ -1,6 +1,7 @@
 //! Renders the editor to a picture, without a window: for scripts, documentation and tests.
 
 use super::editor::Editor;
+use super::kept_view::KeptView;
 use super::options::EditorOptions;
 use super::software::SoftwarePainter;
 use crate::edit::EditError;
@@ -28,7 +29,7 @@ pub fn screenshot(
     let ctx = egui::Context::default();
     ctx.set_theme(ThemePreference::from(theme));
     let document = crate::edit::open(path, options.access)?;
-    let mut editor = Editor::new(&ctx, options);
+    let mut editor = Editor::with_view(&ctx, options, KeptView::default());
     editor.begin_unjournaled(&ctx, document);
     if let Some(session) = editor.session_mut() {
         if let Some(frame) = frame {

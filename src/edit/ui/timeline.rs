@@ -3,9 +3,9 @@
 use super::curves::CurveView;
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
-use super::track_row::{self, Pen, Row, Track};
+use super::track_row::{self, Pen, Row};
 use super::transport::transport;
-use crate::edit::Session;
+use crate::edit::{Session, Track};
 use eframe::egui::{
     Align2, Color32, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
     vec2,
@@ -27,12 +27,19 @@ pub(super) struct Timeline {
     curves: Option<CurveView>,
     /// Two opposite corners of the box that selects keys.
     boxed: Option<[Pos2; 2]>,
+    /// Whether a row or the curves have keyboard focus.
+    has_focus: bool,
 }
 
 impl Timeline {
     /// Toggles between curves and rows.
     pub(super) fn toggle_curves(&mut self) {
         self.curves = if self.curves.is_some() { None } else { Some(CurveView::default()) };
+    }
+
+    /// Returns whether a row or the curves had keyboard focus in the last pass.
+    pub(super) const fn has_focus(&self) -> bool {
+        self.has_focus
     }
 
     pub(super) fn show(&mut self, ui: &mut Ui, session: &mut Session, now: f64) {
@@ -47,8 +54,9 @@ impl Timeline {
         let per_frame = (width - NAMES - 16.0).max(40.0) / count;
         let scale = FrameScale { first: first as f32, left: rect.left() + NAMES, per_frame };
         self.ruler(ui, session, scale);
+        self.has_focus = false;
         match &mut self.curves {
-            Some(curves) => curves.show(ui, session, scale),
+            Some(curves) => self.has_focus = curves.show(ui, session, scale),
             None => {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.rows(ui, session, scale));
             }
@@ -120,16 +128,24 @@ impl Timeline {
         }
         let by = self.moved.map_or(0, |(_, by)| by);
         let mut seen: Vec<(Rect, Row)> = Vec::new();
-        let mut pen = Pen::Away;
+        let (mut pen, mut ids, mut entered) = (Pen::Away, Vec::new(), None);
         for row in rows {
             let alone = session.selection.single_pin().filter(|&at| row.track == Track::Pin(at));
             let follows = alone.is_some() && self.followed != alone;
             if follows {
                 self.followed = alone;
             }
-            let (rect, own) = track_row::show(ui, session, &row, (scale, by, follows));
-            pen = if own == Pen::Away { pen } else { own };
-            seen.push((rect, row));
+            let shown = track_row::show(ui, session, &row, (scale, by, follows));
+            pen = if shown.pen == Pen::Away { pen } else { shown.pen };
+            if shown.leaves != 0 {
+                entered = Some(seen.len().saturating_add_signed(shown.leaves as isize));
+            }
+            self.has_focus |= shown.response.has_focus();
+            ids.push(shown.response.id);
+            seen.push((shown.response.rect, row));
+        }
+        if let Some(&id) = entered.and_then(|place| ids.get(place)) {
+            ui.memory_mut(|memory| memory.request_focus(id));
         }
         self.pen(session, scale, (pen, &seen));
         let rect = ui.min_rect();
@@ -147,7 +163,7 @@ impl Timeline {
             Pen::Away => {}
             Pen::Key(at) => self.moved = Some((scale.frame(at.x), 0)),
             Pen::Empty(at) => {
-                session.selection.clear_keys();
+                session.selection.keys.clear();
                 session.go(scale.frame(at.x).round() as i32);
                 self.boxed = Some([at, at]);
             }
@@ -166,7 +182,7 @@ impl Timeline {
                 let chosen = Rect::from_two_pos(from, to);
                 for (_, row) in rows.iter().filter(|(rect, _)| chosen.y_range().contains(rect.center().y)) {
                     for (time, _) in row.keys.iter().filter(|(time, _)| chosen.x_range().contains(scale.x(*time))) {
-                        row.track.add_key(session, *time);
+                        track_row::add_key(session, row.track, *time);
                     }
                 }
             }

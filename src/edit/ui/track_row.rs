@@ -2,12 +2,15 @@
 //!
 //! In: a [`Session`], the time scale. Out: shapes; selected keys.
 
+use super::accessible::{self, Part};
+use super::arrow_keys::{self, Arrow, With};
 use super::frame_scale::{FrameScale, NAMES};
 use super::theme::ACCENT;
-use crate::edit::Session;
+use crate::edit::{EasePreset, KeyStep, Session, Track};
 use crate::shot::Ease;
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Key, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 
 /// Height of a row of keys.
@@ -16,60 +19,18 @@ const ROW: f32 = 20.0;
 /// Distance in points within which a key is hit.
 const REACH: f32 = 7.0;
 
-/// What a row shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Track {
-    /// Indices of layer and pin.
-    Pin([usize; 2]),
-    /// Index of the layer, and lattice coordinates of the handle.
-    Handle((usize, [usize; 3])),
+/// Adds a key to the selection.
+pub(super) fn add_key(session: &mut Session, track: Track, time: f64) {
+    if !session.selection.has_key(track, time) {
+        session.choose_key(track, time, true);
+    }
 }
 
-impl Track {
-    fn is_chosen(self, session: &Session) -> bool {
-        match self {
-            Self::Pin(at) => session.selection.pins.contains(&at),
-            Self::Handle(at) => session.selection.handles.contains(&at),
-        }
+fn choose(session: &mut Session, track: Track, adds: bool) {
+    if !adds {
+        session.selection.clear();
     }
-
-    fn has_key(self, session: &Session, time: f64) -> bool {
-        match self {
-            Self::Pin(at) => session.selection.has_key(at, time),
-            Self::Handle(at) => session.selection.handle_keys.contains(&(at, time)),
-        }
-    }
-
-    /// Selects a key; with `adds`, toggles it and keeps the others.
-    fn choose_key(self, session: &mut Session, time: f64, adds: bool) {
-        match self {
-            Self::Pin(at) => session.choose_key(at, time, adds),
-            Self::Handle(at) => session.choose_handle_key(at, time, adds),
-        }
-    }
-
-    /// Adds a key to the selection.
-    pub(super) fn add_key(self, session: &mut Session, time: f64) {
-        if !self.has_key(session, time) {
-            self.choose_key(session, time, true);
-        }
-    }
-
-    fn choose(self, session: &mut Session, adds: bool) {
-        if !adds {
-            session.selection.clear();
-        }
-        match self {
-            Self::Pin(at) => {
-                session.selection.layer = at[0];
-                session.selection.pins.insert(at);
-            }
-            Self::Handle(at) => {
-                session.selection.layer = at.0;
-                session.selection.handles.insert(at);
-            }
-        }
-    }
+    session.selection.add(track);
 }
 
 /// A row with its keys.
@@ -96,36 +57,34 @@ pub(super) enum Pen {
 
 /// Returns the rows of the selected layer: its pins, then its handles.
 pub(super) fn rows(session: &Session) -> Vec<Row> {
-    let layer = session.selection.layer;
-    let Some(owner) = session.shot().layers.get(layer) else { return Vec::new() };
-    let pins = owner.pins.iter().enumerate().map(|(pin, own)| Row {
-        track: Track::Pin([layer, pin]),
-        name: own.name.clone(),
-        keys: own.keys.iter().map(|key| (key.frame, key.ease)).collect(),
-    });
-    let axes = if owner.space.dims()[2] > 1 { 3 } else { 2 };
-    let handles = owner.handles.iter().map(|own| Row {
-        track: Track::Handle((layer, own.index)),
-        name: format!("handle {}", own.index[..axes].iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
-        keys: own.keys.iter().map(|key| (key.frame, key.ease)).collect(),
-    });
-    pins.chain(handles).collect()
+    let shot = session.shot();
+    let row = |track: Track| Row { track, name: track.name(shot), keys: track.times(shot) };
+    session.tracks().into_iter().map(row).collect()
 }
 
-/// Shows a row; `by`: frames by which selected keys are being moved. Returns its rectangle, and what the pen did.
+/// A row that was shown.
+pub(super) struct ShownRow {
+    pub(super) response: Response,
+    /// What the pen did.
+    pub(super) pen: Pen,
+    /// By how many rows the keyboard leaves this one.
+    pub(super) leaves: i32,
+}
+
+/// Shows a row; `by`: frames by which selected keys are being moved.
 pub(super) fn show(
     ui: &mut Ui,
     session: &mut Session,
     row: &Row,
     (scale, by, follows): (FrameScale, i32, bool),
-) -> (Rect, Pen) {
+) -> ShownRow {
     let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), ROW), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("Keys of {}", row.name)));
     let rect = response.rect;
     if follows {
         response.scroll_to_me(None);
     }
-    let is_chosen = row.track.is_chosen(session);
+    let is_chosen = session.selection.has(row.track);
     if is_chosen {
         painter.rect_filled(rect, 0, ui.visuals().selection.bg_fill.gamma_multiply(0.35));
     }
@@ -137,7 +96,7 @@ pub(super) fn show(
     let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
     painter.hline(rect.x_range(), rect.bottom(), line);
     let place = |(frame, _): &(f64, Ease)| {
-        let shift = if row.track.has_key(session, *frame) { f64::from(by) } else { 0.0 };
+        let shift = if session.selection.has_key(row.track, *frame) { f64::from(by) } else { 0.0 };
         pos2(scale.x(frame + shift), rect.center().y)
     };
     for pair in row.keys.windows(2).filter(|pair| pair[0].1 != Ease::Hold) {
@@ -145,10 +104,49 @@ pub(super) fn show(
     }
     for key in &row.keys {
         let usual = Color32::from_gray(if ui.visuals().dark_mode { 200 } else { 90 });
-        let fill = if row.track.has_key(session, key.0) { ACCENT } else { usual };
+        let fill = if session.selection.has_key(row.track, key.0) { ACCENT } else { usual };
         diamond(&painter, place(key), key.1, fill);
     }
-    (rect, pen(ui, session, (&response, names), (row, scale)))
+    if response.has_focus() {
+        painter.rect_stroke(rect.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
+    }
+    name_keys(ui, session, &response, (row, scale));
+    let leaves = keyboard(ui, session, &response, row);
+    ShownRow { pen: pen(ui, session, (&response, names), (row, scale)), response, leaves }
+}
+
+/// Makes the keys known to screen readers, which choose them.
+fn name_keys(ui: &Ui, session: &mut Session, response: &Response, (row, scale): (&Row, FrameScale)) {
+    let keys = row.keys.iter().map(|&(time, ease)| Part {
+        id: response.id.with(time.to_bits()),
+        rect: Rect::from_center_size(pos2(scale.x(time), response.rect.center().y), Vec2::splat(2.0 * REACH)),
+        label: format!("Key of {}, frame {time}, {}", row.name, EasePreset::of(ease).map_or("Curve", EasePreset::name)),
+        is_chosen: session.selection.has_key(row.track, time),
+    });
+    let chosen = accessible::parts(ui, response, keys);
+    if let Some((time, _)) = chosen.and_then(|place| row.keys.get(place)) {
+        session.choose_key(row.track, *time, false);
+        response.request_focus();
+    }
+}
+
+/// Handles the keyboard: arrows step from key to key, with Alt they move keys. Returns by how many rows it leaves.
+fn keyboard(ui: &Ui, session: &mut Session, response: &Response, row: &Row) -> i32 {
+    let is_entered = response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if is_entered {
+        choose(session, row.track, ui.input(|input| input.modifiers.shift));
+    }
+    let mut leaves = 0;
+    for Arrow { way: [right, up], with } in arrow_keys::take(ui, response) {
+        match with {
+            With::Alt if right != 0 => session.nudge_keys(right),
+            With::Alt => {}
+            _ if right == 0 => leaves -= up,
+            With::Shift => session.step_key(row.track, right > 0, KeyStep::Add),
+            With::Nothing => session.step_key(row.track, right > 0, KeyStep::Only),
+        }
+    }
+    leaves
 }
 
 fn pen(ui: &Ui, session: &mut Session, (response, names): (&Response, Rect), (row, scale): (&Row, FrameScale)) -> Pen {
@@ -157,6 +155,9 @@ fn pen(ui: &Ui, session: &mut Session, (response, names): (&Response, Rect), (ro
         return Pen::Up;
     }
     let Some(at) = response.interact_pointer_pos() else { return Pen::Away };
+    if pressed && response.contains_pointer() {
+        response.request_focus();
+    }
     if !(pressed && response.contains_pointer()) {
         return if response.dragged() { Pen::Dragged(at) } else { Pen::Away };
     }
@@ -164,14 +165,14 @@ fn pen(ui: &Ui, session: &mut Session, (response, names): (&Response, Rect), (ro
     let near = row.keys.iter().filter(|key| far(key) <= REACH).min_by(|a, b| far(a).total_cmp(&far(b)));
     match near {
         Some((time, _)) => {
-            row.track.choose_key(session, *time, adds);
+            session.choose_key(row.track, *time, adds);
             Pen::Key(at)
         }
         None if names.contains(at) => {
             let is_double = ui.input(|input| input.pointer.button_double_clicked(eframe::egui::PointerButton::Primary));
-            row.track.choose(session, adds || is_double);
-            if is_double || row.track.is_chosen(session) && ui.input(|input| input.modifiers.command) {
-                row.keys.iter().for_each(|(time, _)| row.track.add_key(session, *time));
+            choose(session, row.track, adds || is_double);
+            if is_double || session.selection.has(row.track) && ui.input(|input| input.modifiers.command) {
+                row.keys.iter().for_each(|(time, _)| add_key(session, row.track, *time));
             }
             Pen::Away
         }

@@ -67,16 +67,10 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
 }
 
 fn eases(ui: &mut Ui, session: &mut Session) {
-    let chosen = session.selection.keys.first().and_then(|(at, time)| {
-        let pin = session.shot().layers.get(at[0])?.pins.get(at[1])?;
-        pin.keys.iter().find(|key| key.frame == *time).map(|key| key.ease)
+    let chosen = session.selection.keys.first().and_then(|(track, time)| {
+        let keys = track.times(session.shot());
+        keys.into_iter().find(|(other, _)| other == time).map(|(_, ease)| ease)
     });
-    let of_handle = session.selection.handle_keys.first().and_then(|((layer, index), time)| {
-        let mut tracks = session.shot().layers.get(*layer)?.handles.iter();
-        let track = tracks.find(|track| track.index == *index)?;
-        track.keys.iter().find(|key| key.frame == *time).map(|key| key.ease)
-    });
-    let chosen = chosen.or(of_handle);
     let text = chosen.map_or("Ease", |ease| EasePreset::of(ease).map_or("Curve", EasePreset::name));
     let list = ComboBox::from_id_salt("ease").selected_text(text).width(90.0).show_ui(ui, |ui| {
         for preset in EasePreset::ALL {

@@ -337,8 +337,12 @@ impl FrameWorker {
             Question::Point { id, at } => {
                 Reply::Picked(id, seen.and_then(|(prepared, sample)| prepared.pick_warped(sample, at)))
             }
-            Question::Brush { id, at } => {
-                Reply::Brushed(id, seen.and_then(|(prepared, sample)| prepared.brush_point(sample, at)))
+            Question::Brush { id, at, mirrors } => {
+                let point = seen.and_then(|(prepared, sample)| prepared.brush_point(sample, at));
+                let mirrored = point.as_ref().zip(seen.filter(|_| mirrors));
+                let mirrored =
+                    mirrored.and_then(|(point, (prepared, _))| prepared.mirrored_place(point.layer, &point.place));
+                Reply::Brushed { id, point, mirrored }
             }
             Question::Painted { revision, frame } => {
                 let triangles = seen.map_or_else(Vec::new, |(prepared, sample)| prepared.stiff_triangles(sample));

@@ -1,7 +1,7 @@
 //! Messages between the window and the worker thread.
 
 use crate::edit::picture::Picture;
-use crate::pipeline::{BrushPoint, FrameReport, LayerMarks, PickedPoint, StiffTriangle};
+use crate::pipeline::{BrushPoint, FrameReport, LayerMarks, PaintedPlace, PickedPoint, StiffTriangle};
 use crate::shot::Shot;
 use crate::space::ScreenPoint;
 use std::collections::VecDeque;
@@ -46,8 +46,8 @@ pub(in crate::edit) enum Purpose {
 pub(in crate::edit) enum Question {
     /// What point of the model is seen at a point of the screen?
     Point { id: u64, at: ScreenPoint },
-    /// What point of the model at rest lies under the brush?
-    Brush { id: u64, at: ScreenPoint },
+    /// What point of the model at rest lies under the brush, and on its other side?
+    Brush { id: u64, at: ScreenPoint, mirrors: bool },
     /// What triangles are painted?
     Painted { revision: u64, frame: i32 },
 }
@@ -66,7 +66,7 @@ pub(in crate::edit) enum Reply {
     /// The answer to a question; `None` if there is no surface.
     Picked(u64, Option<PickedPoint>),
     /// The answer about the brush; `None` if no layer's surface is there.
-    Brushed(u64, Option<BrushPoint>),
+    Brushed { id: u64, point: Option<BrushPoint>, mirrored: Option<PaintedPlace> },
     /// The painted triangles of a frame.
     Painted { revision: u64, frame: i32, triangles: Vec<StiffTriangle> },
     /// Progress of the solve over time, 0 to 1.

@@ -5,8 +5,7 @@
 use crate::pipeline::PreparedShot;
 use crate::pipeline::prepare::cameras::CameraSource;
 use crate::pose::placed_nodes;
-use crate::space::ScreenVector;
-use glam::{DQuat, DVec2};
+use glam::DQuat;
 use std::sync::PoisonError;
 
 /// A cut changes the picture of still meshes at least so much.
@@ -17,9 +16,6 @@ const RATIO: f64 = 8.0;
 
 /// Largest change of a mesh that counts; also that of a mesh that gets in front of or behind the camera.
 const LARGEST_CHANGE: f64 = 2.0;
-
-/// A vector over the height of the frame.
-const UP: ScreenVector = ScreenVector(DVec2::Y);
 
 /// Whether the camera jumps between a frame and the next.
 pub(in crate::pipeline) fn is_cut_after(prepared: &PreparedShot, frame: i32) -> bool {
@@ -68,7 +64,7 @@ fn picture_change(prepared: &PreparedShot, frame: i32) -> f64 {
         let origin = now.scene_from_node[node].w_axis.truncate().as_dvec3();
         let [a, b] = [&from, &to].map(|camera| {
             let seen = camera.project_exact(origin);
-            (seen.w > 0.0).then(|| (seen.point().0, camera.scene_from_screen_vector(UP, seen.w).length()))
+            (seen.w > 0.0).then(|| (seen.point().0, camera.frame_height_at(seen.w)))
         });
         match (a, b) {
             (Some((a, size)), Some((b, next))) => (a.distance(b) + (next / size).ln().abs()).min(LARGEST_CHANGE),

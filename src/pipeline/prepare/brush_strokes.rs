@@ -1,8 +1,9 @@
 //! Paints stiffness with the brush strokes of a layer, later strokes over earlier ones.
 //!
 //! In: strokes in the scene at rest, the parts of the layer. Out: the stiffness of the triangles that they cover, multiplied
-//! with what the rules of the layer say.
+//! with what the rules of the layer say. A stroke spreads along the surface, so what lies behind or beside it is not painted.
 
+use super::surface_distance::SurfaceDistance;
 use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;
@@ -11,9 +12,16 @@ use crate::shot::{BrushStroke, Shot};
 use crate::spelling::{self, pluralised};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Fraction of the radius up to which a stroke applies fully.
 const FULL: f64 = 0.5;
+
+/// Distance in radii between the points of a stroke's line from which it spreads.
+const SPACING: f64 = 0.15;
+
+/// Maximum number of such points between two points of the file.
+const MAX_SOURCES: f64 = 1000.0;
 
 /// Barycentric coordinates of the points at which a triangle is compared with a stroke: corners, middles of edges, centroid.
 const SAMPLES: [[f64; 3]; 7] = [
@@ -26,17 +34,49 @@ const SAMPLES: [[f64; 3]; 7] = [
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
 ];
 
+/// What a stroke covers: part, triangle, and how much of it, above 0 and up to 1.
+type Coverage = Arc<[(usize, usize, f64)]>;
+
+/// What the strokes of a shot cover, so that a new stroke does not compute that of the others again.
+#[derive(Debug, Default)]
+pub(in crate::pipeline) struct StrokeCache(Mutex<Vec<(usize, BrushStroke, Coverage)>>);
+
+impl StrokeCache {
+    /// Returns what a stroke of a layer covers. Strokes at the same places cover the same, whatever they paint.
+    fn coverage(&self, layer: usize, stroke: &BrushStroke, compute: impl FnOnce() -> Coverage) -> Coverage {
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same = |(owner, other, _): &&(usize, BrushStroke, Coverage)| {
+            *owner == layer
+                && other.radius == stroke.radius
+                && other.points == stroke.points
+                && other.nodes == stroke.nodes
+        };
+        if let Some((_, _, coverage)) = known().iter().find(is_same) {
+            return Arc::clone(coverage);
+        }
+        let coverage = compute();
+        known().push((layer, stroke.clone(), Arc::clone(&coverage)));
+        coverage
+    }
+
+    /// Forgets strokes that a shot no longer has.
+    pub(in crate::pipeline) fn retain(&self, shot: &Shot) {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|(layer, stroke, _)| shot.layers.get(*layer).is_some_and(|layer| layer.strokes.contains(stroke)));
+    }
+}
+
 /// The strokes of a layer.
-pub(in crate::pipeline) struct Strokes<'a>(Vec<Stroke<'a>>);
+pub(in crate::pipeline) struct Strokes<'a> {
+    layer: usize,
+    strokes: Vec<Stroke<'a>>,
+}
 
 /// A stroke with the nodes that it paints.
 struct Stroke<'a> {
     stroke: &'a BrushStroke,
     /// `None`: all nodes.
     nodes: Option<BTreeSet<usize>>,
-    /// Bounding box of what it covers.
-    low: DVec3,
-    high: DVec3,
 }
 
 impl<'a> Strokes<'a> {
@@ -50,9 +90,11 @@ impl<'a> Strokes<'a> {
                 let hint = spelling::hint(pattern, names);
                 return Err(PipelineError::mismatch(shot, &format!("layer[{layer}].stiffness"), what, hint));
             }
-            Ok(Stroke::new(stroke, scene))
+            let nodes = stroke.nodes.iter().flat_map(|pattern| scene.matching(pattern));
+            let nodes: BTreeSet<usize> = nodes.flat_map(|node| scene.subtree(node)).collect();
+            Ok(Stroke { stroke, nodes: (!stroke.nodes.is_empty()).then_some(nodes) })
         });
-        Ok(Self(strokes.collect::<Result<_, _>>()?))
+        Ok(Self { layer, strokes: strokes.collect::<Result<_, _>>()? })
     }
 
     /// Multiplies the stiffness of the triangles of `parts` that the strokes cover. Returns a note if strokes cover none.
@@ -60,30 +102,25 @@ impl<'a> Strokes<'a> {
         &self,
         (scene, rest): (&Scene, &Pose),
         parts: &[usize],
+        cache: &StrokeCache,
         painted: &mut BTreeMap<usize, Vec<f64>>,
     ) -> Option<String> {
-        let mut is_met = vec![false; self.0.len()];
-        for &part in parts {
-            let posed = &rest.parts[part];
-            let triangles = &primitive(scene, posed).triangles;
-            let strokes: Vec<usize> = (0..self.0.len()).filter(|&index| self.0[index].paints(posed.node)).collect();
-            for (triangle, corners) in triangles.iter().enumerate() {
-                let corners = corners.map(|corner| posed.positions[corner as usize].0.as_dvec3());
-                let mut log_stiffness = 0.0;
-                for &index in &strokes {
-                    let stroke = &self.0[index];
-                    let share = stroke.share(&corners);
-                    is_met[index] |= share > 0.0;
-                    log_stiffness += (stroke.stroke.value.ln() - log_stiffness) * share;
-                }
-                if log_stiffness != 0.0 {
-                    let stiffness = painted.entry(part).or_default();
-                    stiffness.resize(triangles.len(), 1.0);
-                    stiffness[triangle] *= log_stiffness.exp();
-                }
+        let mut log_stiffness: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+        let mut unmet = 0;
+        for stroke in &self.strokes {
+            let compute = || stroke.coverage((scene, rest), parts);
+            let coverage = cache.coverage(self.layer, stroke.stroke, compute);
+            unmet += usize::from(coverage.is_empty());
+            for &(part, triangle, share) in coverage.iter() {
+                let value = log_stiffness.entry((part, triangle)).or_default();
+                *value += (stroke.stroke.value.ln() - *value) * share;
             }
         }
-        let unmet = is_met.iter().filter(|is_met| !**is_met).count();
+        for ((part, triangle), value) in log_stiffness.into_iter().filter(|(_, value)| *value != 0.0) {
+            let stiffness = painted.entry(part).or_default();
+            stiffness.resize(primitive(scene, &rest.parts[part]).triangles.len(), 1.0);
+            stiffness[triangle] *= value.exp();
+        }
         (unmet > 0).then(|| {
             let strokes = pluralised(unmet, "brush stroke", "brush strokes");
             format!("none of its triangles at rest lies under {strokes} of its stiffness: without effect")
@@ -91,75 +128,73 @@ impl<'a> Strokes<'a> {
     }
 }
 
-impl<'a> Stroke<'a> {
-    fn new(stroke: &'a BrushStroke, scene: &Scene) -> Self {
-        let nodes = stroke.nodes.iter().flat_map(|pattern| scene.matching(pattern));
-        let nodes: BTreeSet<usize> = nodes.flat_map(|node| scene.subtree(node)).collect();
-        let points = || stroke.points.iter().map(|&point| DVec3::from(point));
-        let low = points().fold(DVec3::INFINITY, DVec3::min) - stroke.radius;
-        let high = points().fold(DVec3::NEG_INFINITY, DVec3::max) + stroke.radius;
-        Self { stroke, nodes: (!stroke.nodes.is_empty()).then_some(nodes), low, high }
-    }
-
+impl Stroke<'_> {
     fn paints(&self, node: usize) -> bool {
         self.nodes.as_ref().is_none_or(|nodes| nodes.contains(&node))
     }
 
-    /// Returns how much of a triangle the stroke covers, 0 to 1.
-    fn share(&self, corners: &[DVec3; 3]) -> f64 {
-        let [a, b, c] = *corners;
-        let is_apart = a.max(b).max(c).cmplt(self.low).any() || a.min(b).min(c).cmpgt(self.high).any();
-        if is_apart {
-            return 0.0;
+    /// Returns what the stroke covers of some parts.
+    fn coverage(&self, (scene, rest): (&Scene, &Pose), parts: &[usize]) -> Coverage {
+        let line: Vec<DVec3> = self.stroke.points.iter().map(|&point| DVec3::from(point)).collect();
+        let low = line.iter().copied().fold(DVec3::INFINITY, DVec3::min) - self.stroke.radius;
+        let high = line.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + self.stroke.radius;
+        let (mut near, mut places) = (Vec::new(), Vec::new());
+        for &part in parts {
+            let posed = &rest.parts[part];
+            let all = if self.paints(posed.node) { &primitive(scene, posed).triangles[..] } else { &[] };
+            for (triangle, corners) in all.iter().enumerate() {
+                let [a, b, c] = corners.map(|corner| posed.positions[corner as usize].0.as_dvec3());
+                let is_apart = a.max(b).max(c).cmplt(low).any() || a.min(b).min(c).cmpgt(high).any();
+                if !is_apart {
+                    near.push((part, triangle));
+                    places.push([a, b, c]);
+                }
+            }
         }
-        let at = |weights: [f64; 3]| self.share_at(a * weights[0] + b * weights[1] + c * weights[2]);
-        SAMPLES.into_iter().map(at).sum::<f64>() / SAMPLES.len() as f64
-    }
-
-    /// Returns how much the stroke applies at a point: fully near its line, and less towards its radius.
-    fn share_at(&self, point: DVec3) -> f64 {
-        let distance = distance(&self.stroke.points, point) / self.stroke.radius;
-        let beyond = ((distance - FULL) / (1.0 - FULL)).clamp(0.0, 1.0);
-        1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
+        let distance = SurfaceDistance::new(&places, &sources(&line, self.stroke.radius), self.stroke.radius);
+        let share = |index: usize| {
+            let at = |weights: [f64; 3]| falloff(distance.of(index, weights) / self.stroke.radius);
+            SAMPLES.into_iter().map(at).sum::<f64>() / SAMPLES.len() as f64
+        };
+        let covered = near.into_iter().enumerate().map(|(index, (part, triangle))| (part, triangle, share(index)));
+        covered.filter(|(_, _, share)| *share > 0.0).collect()
     }
 }
 
-/// Returns the distance of a point from a line through points.
-fn distance(line: &[[f64; 3]], point: DVec3) -> f64 {
-    let first = line.first().map_or(f64::INFINITY, |&first| DVec3::from(first).distance(point));
-    let of_segment = |ends: &[[f64; 3]]| {
-        let [from, to] = [DVec3::from(ends[0]), DVec3::from(ends[1])];
-        let along = to - from;
-        let t = (point - from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
-        (from + along * t.clamp(0.0, 1.0)).distance(point)
-    };
-    line.windows(2).map(of_segment).fold(first, f64::min)
+/// Returns how much a stroke applies at a distance in radii: fully near its line, and less towards its radius.
+fn falloff(distance: f64) -> f64 {
+    let beyond = ((distance - FULL) / (1.0 - FULL)).clamp(0.0, 1.0);
+    1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
+}
+
+/// Returns points along a line through points.
+fn sources(line: &[DVec3], radius: f64) -> Vec<DVec3> {
+    let mut found: Vec<DVec3> = line.first().copied().into_iter().collect();
+    for ends in line.windows(2) {
+        let count = (ends[0].distance(ends[1]) / (SPACING * radius)).ceil().clamp(1.0, MAX_SOURCES) as usize;
+        found.extend((1..=count).map(|step| ends[0].lerp(ends[1], step as f64 / count as f64)));
+    }
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn stroke(points: &[[f64; 3]], value: f64) -> BrushStroke {
-        BrushStroke { nodes: Vec::new(), points: points.to_vec(), radius: 1.0, value }
-    }
-
     #[test]
     fn a_stroke_is_full_inside_and_ends_at_its_radius() {
-        let stroke = stroke(&[[0.0; 3], [4.0, 0.0, 0.0]], 8.0);
-        let drawn = Stroke { stroke: &stroke, nodes: None, low: DVec3::splat(-1.0), high: DVec3::new(5.0, 1.0, 1.0) };
-        for (point, share) in
-            [([2.0, 0.4, 0.0], 1.0), ([2.0, 0.75, 0.0], 0.5), ([2.0, 1.0, 0.0], 0.0), ([-0.4, 0.0, 0.0], 1.0)]
-        {
-            assert!((drawn.share_at(point.into()) - share).abs() < 1e-9, "{point:?}");
+        for (distance, share) in [(0.0, 1.0), (0.5, 1.0), (0.75, 0.5), (1.0, 0.0), (f64::INFINITY, 0.0)] {
+            assert!((falloff(distance) - share).abs() < 1e-9, "{distance}");
         }
-        let far = [[9.0, 0.0, 0.0], [9.0, 1.0, 0.0], [10.0, 0.0, 0.0]].map(DVec3::from);
-        assert_eq!(drawn.share(&far), 0.0);
     }
 
     #[test]
-    fn a_single_point_is_a_dab() {
-        assert_eq!(distance(&[[1.0, 0.0, 0.0]], DVec3::new(1.0, 2.0, 0.0)), 2.0);
-        assert_eq!(distance(&[[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], DVec3::new(1.0, 2.0, 0.0)), 2.0);
+    fn a_line_has_points_close_to_each_other_and_never_too_many() {
+        let line = [DVec3::ZERO, DVec3::X, DVec3::X];
+        let found = sources(&line, 1.0);
+        assert_eq!((found[0], found.len(), found[found.len() - 1]), (DVec3::ZERO, 9, DVec3::X));
+        assert!(found.windows(2).all(|pair| pair[0].distance(pair[1]) <= SPACING + 1e-9));
+        assert_eq!(sources(&[DVec3::ZERO, DVec3::X * 1e9], 1e-5).len(), 1001);
+        assert_eq!(sources(&line[..1], 1.0), [DVec3::ZERO]);
     }
 }

@@ -7,7 +7,8 @@ use super::reflection::MirroredPin;
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::symmetry::Symmetry;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
-use crate::pose::Pose;
+use crate::pose::{Pose, PosedPart};
+use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::{AxisPlane, Mirror, Source};
 use crate::solve::nearest_barycentric;
@@ -65,14 +66,11 @@ fn plane_of(
     place: [usize; 2],
     layers: [usize; 2],
 ) -> Result<Symmetry, PipelineError> {
+    let found = best_plane(prepared, rest, layers);
     let layer = &prepared.shot.layers[layers[0]];
-    if let Some(AxisPlane { axis, at }) = layer.symmetry.or(prepared.shot.layers[layers[1]].symmetry) {
-        return Ok(Symmetry { normal: DVec3::AXES[axis], offset: at, met: 1.0 });
+    if let Some(found) = found.filter(|_| layer.symmetry.or(prepared.shot.layers[layers[1]].symmetry).is_some()) {
+        return Ok(found);
     }
-    let mut parts = layers.map(|layer| prepared.assignment.parts_of_layer[layer].clone()).concat();
-    parts.sort_unstable();
-    parts.dedup();
-    let found = Symmetry::of(&RestMesh::of(&prepared.scene, rest, &parts));
     let percent = |found: Symmetry| (100.0 * found.met).round();
     let Some(plane) = found.filter(|found| found.met >= LEAST_MET) else {
         let share = found.map_or(0.0, percent);
@@ -89,6 +87,57 @@ fn plane_of(
     );
     prepared.notes.push(note);
     Ok(plane)
+}
+
+/// Returns the plane between two layers: that of the shot, or the best that the model at rest has.
+fn best_plane(prepared: &PreparedShot, rest: &Pose, layers: [usize; 2]) -> Option<Symmetry> {
+    let said = layers.iter().find_map(|&layer| prepared.shot.layers[layer].symmetry);
+    if let Some(AxisPlane { axis, at }) = said {
+        return Some(Symmetry { normal: DVec3::AXES[axis], offset: at, met: 1.0 });
+    }
+    let mut parts = layers.map(|layer| prepared.assignment.parts_of_layer[layer].clone()).concat();
+    parts.sort_unstable();
+    parts.dedup();
+    Symmetry::of(&RestMesh::of(&prepared.scene, rest, &parts))
+}
+
+/// Returns the plane at which a layer mirrors; `None` if it has none.
+pub(in crate::pipeline) fn plane_of_layer(prepared: &PreparedShot, rest: &Pose, layer: usize) -> Option<Symmetry> {
+    let known = prepared.layer_inputs.planes.get(&[layer; 2]).copied();
+    known.or_else(|| best_plane(prepared, rest, [layer; 2])).filter(|plane| plane.met >= LEAST_MET)
+}
+
+/// Returns the point of a layer at rest that is the mirror image of a point, and the node that it is on; `None` if nothing is there.
+pub(in crate::pipeline) fn mirrored_point(
+    prepared: &PreparedShot,
+    rest: &Pose,
+    (layer, plane): (usize, Symmetry),
+    at: DVec3,
+) -> Option<(DVec3, usize)> {
+    let (own, image) = (&prepared.assignment.parts_of_layer[layer], plane.reflected(at));
+    let nearest = own.iter().filter_map(|&part| {
+        let (gap, triangle, barycentric) = nearest_of(&prepared.scene, &rest.parts[part], image)?;
+        Some((gap, part, triangle, barycentric))
+    });
+    let (gap, part, triangle, barycentric) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let posed = &rest.parts[part];
+    let corners = primitive(&prepared.scene, posed).triangles[triangle];
+    let place = |corner: u32| posed.positions[corner as usize].0.as_dvec3();
+    let found: DVec3 = corners.iter().zip(barycentric).map(|(&corner, weight)| place(corner) * weight).sum();
+    let diagonal = RestMesh::of(&prepared.scene, rest, own).diagonal();
+    (gap <= FAR * diagonal).then_some((found, posed.node))
+}
+
+/// Returns the nearest point of a part at rest: distance, triangle and barycentric coordinates.
+fn nearest_of(scene: &Scene, posed: &PosedPart, point: DVec3) -> Option<(f64, usize, [f64; 3])> {
+    let place = |corner: u32| posed.positions[corner as usize].0.as_dvec3();
+    let nearest = primitive(scene, posed).triangles.iter().enumerate().map(|(triangle, corners)| {
+        let places = corners.map(place);
+        let barycentric = nearest_barycentric(&point.to_array(), &places.map(|place| place.to_array()));
+        let found: DVec3 = places.iter().zip(barycentric).map(|(place, share)| *place * share).sum();
+        (found.distance(point), triangle, barycentric)
+    });
+    nearest.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Returns the equation of a plane in words: `x = 0.012`, or `0.6 x + 0 y + 0.8 z = 1.2`.
@@ -170,15 +219,9 @@ impl Task<'_> {
     /// Returns the nearest point of a part at rest, with its distance.
     fn nearest(&self, part: usize, point: DVec3) -> Option<(f64, PinAnchor)> {
         let posed = &self.rest.parts[part];
-        let place = |corner: u32| posed.positions[corner as usize].0.as_dvec3();
-        let triangles = primitive(&self.prepared.scene, posed).triangles.iter().enumerate();
-        let nearest = triangles.map(|(triangle, &corners)| {
-            let places = corners.map(place);
-            let barycentric = nearest_barycentric(&point.to_array(), &places.map(|place| place.to_array()));
-            let found: DVec3 = places.iter().zip(barycentric).map(|(place, share)| *place * share).sum();
-            (found.distance(point), PinAnchor::Surface { part, triangle, corners, barycentric })
-        });
-        nearest.min_by(|a, b| a.0.total_cmp(&b.0))
+        let (gap, triangle, barycentric) = nearest_of(&self.prepared.scene, posed, point)?;
+        let corners = primitive(&self.prepared.scene, posed).triangles[triangle];
+        Some((gap, PinAnchor::Surface { part, triangle, corners, barycentric }))
     }
 
     /// Returns the mirrored point of a point of the screen, which pictures and plates have.

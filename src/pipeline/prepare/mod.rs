@@ -20,6 +20,7 @@ pub(super) mod rest_links;
 pub(super) mod rest_mesh;
 pub(super) mod selection;
 pub(super) mod stiffness;
+mod surface_distance;
 pub(super) mod symmetry;
 pub(super) mod transfer;
 pub(super) mod transferred_branches;
@@ -97,7 +98,9 @@ impl PreparedShot {
         box_frames::check(&shot, &scene)?;
         let loaded = transfer::load(&shot, &mut notes)?;
         topology::choose(&mut shot, &assignment, &loaded);
-        let stiffness = stiffness::paint(&shot, &scene, (&first.parts, &assignment.parts_of_layer), &mut notes)?;
+        let cache = FrameCache::default();
+        let stiffness = stiffness::paint(&shot, &scene, (&assignment.parts_of_layer, &cache))?;
+        notes.extend(stiffness.notes.iter().cloned());
         let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
         let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
@@ -117,7 +120,7 @@ impl PreparedShot {
             gallery: None,
             camera,
             clip,
-            cache: FrameCache::default(),
+            cache,
             trajectory_files: None,
         };
         let frame = f64::from(prepared.shot.reference_frame());

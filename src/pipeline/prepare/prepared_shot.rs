@@ -4,7 +4,7 @@
 use super::cameras::CameraSource;
 use super::layer_assignment::LayerAssignment;
 use super::reflection::MirroredPin;
-use super::stiffness::{Painted, PartStiffness};
+use super::stiffness::{PartStiffness, Stiffness};
 use super::symmetry::Symmetry;
 use super::transfer::Loaded;
 use crate::image::cryptomatte::MatteHeader;
@@ -60,7 +60,7 @@ pub(in crate::pipeline) struct LayerInputs {
     /// Planes of symmetry that were found, by the layers of a mirrored pin and of the pin that it follows.
     pub(in crate::pipeline) planes: HashMap<[usize; 2], Symmetry>,
     /// Stiffness of the layers' triangles.
-    pub(in crate::pipeline) stiffness: Painted,
+    pub(in crate::pipeline) stiffness: Stiffness,
     /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.
     pub(in crate::pipeline) links: Vec<Option<Arc<Vec<Link>>>>,
     /// #layers: lattices transferred from other shots.
@@ -148,9 +148,9 @@ impl PreparedShot {
     /// Returns the stiffness of a part's triangles; the part must belong to the layer.
     pub(in crate::pipeline) fn stiffness_of(&self, layer: usize, part: usize) -> PartStiffness<'_> {
         PartStiffness {
-            painted: self.layer_inputs.stiffness[layer].get(&part).map_or(&[], Vec::as_slice),
+            painted: self.layer_inputs.stiffness.painted[layer].get(&part).map_or(&[], Vec::as_slice),
             share: self.assignment.share(layer, part),
-            is_uneven: !self.layer_inputs.stiffness[layer].is_empty() || self.assignment.is_sharing[layer],
+            is_uneven: !self.layer_inputs.stiffness.painted[layer].is_empty() || self.assignment.is_sharing[layer],
         }
     }
 

@@ -1,11 +1,12 @@
 //! Computes the stiffness of every triangle from `[[layer.stiffness]]`, when a shot is prepared and when its painting changes.
 //!
-//! In: a shot, its scene, and the parts of each layer. Out: the stiffness of the triangles of every part.
+//! In: a shot, its scene, and the parts of each layer. Out: the stiffness of the triangles of every part, and notes.
 
 use super::brush_strokes::Strokes;
 use super::rest_mesh::rest_pose;
 use super::selection::LayerShare;
 use crate::pipeline::PipelineError;
+use crate::pipeline::evaluate::frame_cache::FrameCache;
 use crate::pose::PosedPart;
 use crate::scene::{Primitive, Scene};
 use crate::screen::primitive;
@@ -50,16 +51,27 @@ impl PartStiffness<'_> {
 /// #layers, then by part: stiffness of the part's triangles; parts without an entry have 1 everywhere.
 pub(in crate::pipeline) type Painted = Vec<BTreeMap<usize, Vec<f64>>>;
 
-/// Computes the stiffness for all layers; `notes` receives what the user should know.
+/// The stiffness of all layers.
+#[derive(Clone, Debug, Default)]
+pub(in crate::pipeline) struct Stiffness {
+    pub(in crate::pipeline) painted: Painted,
+    /// What the user should know about it.
+    pub(in crate::pipeline) notes: Vec<String>,
+}
+
+/// Computes the stiffness for all layers.
 pub(in crate::pipeline) fn paint(
     shot: &Shot,
     scene: &Scene,
-    (parts, parts_of_layer): (&[PosedPart], &[Vec<usize>]),
-    notes: &mut Vec<String>,
-) -> Result<Painted, PipelineError> {
-    let mut painted = Painted::new();
-    let has_strokes = shot.layers.iter().any(|layer| !layer.strokes.is_empty());
-    let rest = has_strokes.then(|| rest_pose(scene));
+    (parts_of_layer, cache): (&[Vec<usize>], &FrameCache),
+) -> Result<Stiffness, PipelineError> {
+    let mut found = Stiffness::default();
+    if shot.layers.iter().all(|layer| layer.stiffness.is_empty() && layer.strokes.is_empty()) {
+        found.painted.resize(shot.layers.len(), BTreeMap::new());
+        return Ok(found);
+    }
+    let rest = cache.rest.get_or_init(|| rest_pose(scene));
+    let parts = &rest.parts[..];
     for (index, layer) in shot.layers.iter().enumerate() {
         let mut own = BTreeMap::new();
         for (number, rule) in layer.stiffness.iter().enumerate() {
@@ -76,14 +88,15 @@ pub(in crate::pipeline) fn paint(
                 ));
             }
         }
-        if let Some(rest) = rest.as_ref().filter(|_| !layer.strokes.is_empty()) {
+        if !layer.strokes.is_empty() {
             let strokes = Strokes::of(shot, index, scene)?;
-            let unmet = strokes.paint((scene, rest), &parts_of_layer[index], &mut own);
-            notes.extend(unmet.map(|unmet| format!("layer '{}': {unmet}", layer.name)));
+            let unmet = strokes.paint((scene, rest), &parts_of_layer[index], &cache.strokes, &mut own);
+            found.notes.extend(unmet.map(|unmet| format!("layer '{}': {unmet}", layer.name)));
         }
-        painted.push(own);
+        found.painted.push(own);
     }
-    Ok(painted)
+    cache.strokes.retain(shot);
+    Ok(found)
 }
 
 /// One rule of one layer.

@@ -57,7 +57,12 @@ impl PreparedShot {
         // Layers on twos count from the first frame.
         digest.add(&(layer.step > 1).then_some(self.shot.frames.first));
         let inputs = &self.layer_inputs;
-        digest.add(&(&inputs.anchors[index], &inputs.mirrored[index], &inputs.stiffness[index], &inputs.links[index]));
+        digest.add(&(
+            &inputs.anchors[index],
+            &inputs.mirrored[index],
+            &inputs.stiffness.painted[index],
+            &inputs.links[index],
+        ));
     }
 }
 

@@ -1,24 +1,33 @@
-//! Finds the point of the model at rest under a brush.
+//! Finds the point of the model at rest under a brush, and its mirror image.
 //!
 //! In: a prepared shot, a frame, a point of the screen. Out: the point as strokes of stiffness store it, and the scale there.
 
+use crate::pipeline::prepare::mirrored_pins::{mirrored_point, plane_of_layer};
 use crate::pipeline::prepare::rest_mesh::rest_pose;
 use crate::pipeline::{PickedPoint, PreparedShot, TimeSample};
 use crate::screen::primitive;
-use crate::space::{ScreenPoint, ScreenVector};
+use crate::space::ScreenPoint;
 use glam::DVec3;
+use std::sync::PoisonError;
 
 /// A point of the model under a brush.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrushPoint {
     /// The layer that moves the point.
     pub layer: usize,
+    /// Its place.
+    pub place: PaintedPlace,
+    /// Length of a frame height at the depth of the point, in the unit of the place.
+    pub per_height: f64,
+}
+
+/// A place that a stroke paints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaintedPlace {
     /// Name of the node.
     pub node: String,
     /// Position in the scene at rest, metres; in pictures frame heights.
     pub at: [f64; 3],
-    /// Length of a frame height at the depth of the point, in the same unit.
-    pub per_height: f64,
 }
 
 impl PreparedShot {
@@ -31,8 +40,22 @@ impl PreparedShot {
         let corners = primitive(&self.scene, part).triangles[hit.triangle];
         let place = |corner: u32| part.positions[corner as usize].0.as_dvec3();
         let rest: DVec3 = corners.iter().zip(hit.barycentric).map(|(&corner, weight)| place(corner) * weight).sum();
-        let w = if sample.camera.is_parallel() { 1.0 } else { hit.depth };
-        let height = sample.camera.scene_from_screen_vector(ScreenVector::new(0.0, 1.0), w).length();
-        Some(BrushPoint { layer: layer?, node, at: rest.to_array(), per_height: height })
+        let place = PaintedPlace { node, at: rest.to_array() };
+        Some(BrushPoint { layer: layer?, place, per_height: sample.camera.frame_height_at(hit.depth) })
+    }
+
+    /// Returns the place on the other side of a layer at rest; `None` if the layer has no other side there.
+    #[must_use]
+    pub fn mirrored_place(&self, layer: usize, place: &PaintedPlace) -> Option<PaintedPlace> {
+        let rest = self.cache.rest.get_or_init(|| rest_pose(&self.scene));
+        let known = || self.cache.planes.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known().get(&layer).copied();
+        let plane = found.unwrap_or_else(|| {
+            let plane = plane_of_layer(self, rest, layer);
+            known().insert(layer, plane);
+            plane
+        });
+        let (at, node) = mirrored_point(self, rest, (layer, plane?), DVec3::from(place.at))?;
+        Some(PaintedPlace { node: self.scene.nodes[node].name.clone(), at: at.to_array() })
     }
 }

@@ -8,10 +8,10 @@ use crate::pipeline::evaluate::layer_pins::region;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::screen::Camera;
-use crate::shot::{LayerSpace, OffsetUnit};
+use crate::shot::{Goal, LayerSpace, OffsetUnit, PinKey, Rotation};
 use crate::solve::{Shape, active_cells};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// Line segments per cell and line of the lattice.
 const PIECES: usize = 4;
@@ -55,6 +55,9 @@ pub struct PinMark {
     /// World layers: how the target, in metres or, if the pin's unit is the box, in sizes of the box, changes for a frame height
     /// to the right and one up on the screen, at constant depth.
     pub steps: Option<[DVec3; 2]>,
+    /// Pins that turn about three axes of the scene: the axes of their angles in view space (rightwards, upwards, towards the viewer),
+    /// each as the angles after it have turned it.
+    pub turn_axes: Option<[DVec3; 3]>,
 }
 
 /// Returns the marks of all warped layers of a solved frame.
@@ -80,6 +83,7 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
             target: state.target,
             rim: lattice.map(|lattice| rim(prepared, (layer, state), lattice)).unwrap_or_default(),
             steps: steps(place, state.pin),
+            turn_axes: state_axes(prepared, sample, [layer, state.pin]),
         };
         Some(LayerMarks { pins: pins.map(pin).collect(), ..marks })
     };
@@ -214,6 +218,27 @@ fn steps(camera: &Camera, at: DVec3) -> [DVec3; 2] {
 fn in_box(placed: &SceneLattice, vectors: [DVec3; 2]) -> [DVec3; 2] {
     let size = DVec3::from(std::array::from_fn(|axis| placed.lattice.grid.size(axis)));
     vectors.map(|vector| placed.frame.axes().transpose() * vector / size)
+}
+
+/// Returns the axes of a pin's three angles in view space; `None` if it has none, and if it turns in the view.
+fn state_axes(prepared: &PreparedShot, sample: &TimeSample, [layer, pin]: [usize; 2]) -> Option<[DVec3; 3]> {
+    let world = sample.layers[layer].world.as_ref()?;
+    let owner = &prepared.shot.layers[layer];
+    let own = owner.pins.get(pin)?;
+    let has_scene_keys = |key: &PinKey| matches!(key.goal, Goal::SceneOffset(_) | Goal::SceneTarget(_));
+    let frame = prepared.key_frame(owner, sample.frame);
+    let [_, y, z] = match prepared.shot.pin_targets(layer, frame).pins.get(pin)?.rotation {
+        Some(Rotation::Axes(angles)) => angles,
+        None if own.keys.iter().all(has_scene_keys) && !own.keys.is_empty() => [0.0; 3],
+        Some(Rotation::InView(_)) | None => return None,
+    };
+    let view_from_scene = DMat3::from_mat4(sample.camera.view_from_scene());
+    let view_from_pin = match own.unit {
+        OffsetUnit::Frame => view_from_scene,
+        OffsetUnit::Box => view_from_scene * world.lattice.frame.axes(),
+    };
+    let turn_z = view_from_pin * DMat3::from_rotation_z(z);
+    Some([turn_z * DMat3::from_rotation_y(y) * DVec3::X, turn_z * DVec3::Y, view_from_pin * DVec3::Z])
 }
 
 /// Returns the steps of a pin in its unit.

@@ -89,10 +89,10 @@ impl OpenShot {
             Rework::Frames => self.put_shot(&shot),
             Rework::Stiffness => self.repaint(&shot)?,
             Rework::Pins => {
-                let old = self.prepared.layer_inputs.stiffness.clone();
+                let old = (self.prepared.layer_inputs.stiffness.clone(), self.prepared.notes.clone());
                 self.paint(&shot)?;
                 if let Err(error) = self.reattach_pins(&shot) {
-                    self.prepared.layer_inputs.stiffness = old;
+                    (self.prepared.layer_inputs.stiffness, self.prepared.notes) = old;
                     return Err(error);
                 }
             }
@@ -142,6 +142,7 @@ impl OpenShot {
         let old = std::mem::take(&mut prepared.cache);
         let mut cache = FrameCache::default();
         (cache.world_bounds, cache.rest) = (old.world_bounds, old.rest);
+        (cache.strokes, cache.planes) = (old.strokes, old.planes);
         if is_scene_still {
             (cache.screen_bounds, cache.picture_changes) = (old.screen_bounds, old.picture_changes);
         }
@@ -167,10 +168,11 @@ impl OpenShot {
             return Ok(());
         }
         let prepared = &mut self.prepared;
-        let first = pose(&prepared.scene, prepared.clip, shot.frames.seconds(f64::from(shot.reference_frame())));
-        let parts = (&first.parts[..], &prepared.assignment.parts_of_layer[..]);
-        let painted = stiffness::paint(shot, &prepared.scene, parts, &mut prepared.notes)?;
-        prepared.layer_inputs.stiffness = painted;
+        let inputs = (&prepared.assignment.parts_of_layer[..], &prepared.cache);
+        let painted = stiffness::paint(shot, &prepared.scene, inputs)?;
+        let old = std::mem::replace(&mut prepared.layer_inputs.stiffness, painted);
+        prepared.notes.retain(|note| !old.notes.contains(note));
+        prepared.notes.extend(prepared.layer_inputs.stiffness.notes.iter().cloned());
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use crate::lattice::Grid;
 use crate::pipeline::PipelineError;
 use crate::scene::Packed;
 use crate::solve::problem_file::{Figure, FigurePart, FigurePose, Figures, read_figure};
-use crate::solve::{EdgeWeights, PointPin, Shape, nearest_barycentric};
+use crate::solve::{EdgeWeights, Lambdas, PointPin, Scaling, Settings, Shape, nearest_barycentric};
 use crate::spelling::escaped;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -187,8 +187,9 @@ fn head<const D: usize>(figure: &Figure<D>, (scene, camera): (&str, &str), latti
     // Not all energies have edge weights.
     let has_weights = settings.weights != EdgeWeights::Uniform;
     let weights = if has_weights { format!(", weights = {}", json!(settings.weights)) } else { String::new() };
+    let weights = weights + &terms(settings);
     format!(
-        "# A problem file as a shot. Weights of the terms and numbers of iterations are not part of shots.\n\
+        "# A problem file as a shot.\n\
          version = 1\nscene   = {scene:?}\ncamera  = {camera}\nframes  = {{ first = 1, last = {last}, rate = 24 }}\n\
          size    = [1920, 1080]\n\n[[layer]]\nname    = {:?}\n\
          lattice = {{ {lattice}, basis = {}, topology = \"plain\" }}\n\
@@ -199,6 +200,23 @@ fn head<const D: usize>(figure: &Figure<D>, (scene, camera): (&str, &str), latti
         json!(settings.regularizer),
         moved_handles(figure)
     )
+}
+
+/// Returns the weights of the terms and the number of iterations, as far as the problem has its own.
+fn terms(settings: &Settings) -> String {
+    let mut text = String::new();
+    if settings.scaling == Scaling::Plain {
+        let Lambdas { shape, pins, handles, regularizer } = settings.lambdas;
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            ",\n            lambdas = {{ ml = {shape:?}, mp = {pins:?}, gp = {handles:?}, gr = {regularizer:?} }}"
+        );
+    }
+    if settings.acceleration == 0 {
+        let _ = write!(text, ", iterations = {}", settings.iteration_limit);
+    }
+    text
 }
 
 /// Returns the handles that the problem moves.

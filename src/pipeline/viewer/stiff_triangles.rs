@@ -26,7 +26,7 @@ impl PreparedShot {
     /// Returns the triangles that face the camera and whose stiffness differs from 1.
     #[must_use]
     pub fn stiff_triangles(&self, sample: &TimeSample) -> Vec<StiffTriangle> {
-        let painted = self.layer_inputs.stiffness.iter();
+        let painted = self.layer_inputs.stiffness.painted.iter();
         let stiff = |value: f64| value.ln().abs() > LEAST;
         let count: usize = painted.clone().flat_map(|parts| parts.values().flatten()).filter(|&&v| stiff(v)).count();
         let every = count.div_ceil(MAX_TRIANGLES).max(1);

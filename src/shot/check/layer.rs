@@ -6,10 +6,11 @@ use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::MAX_HANDLES_IN_ALL;
 use crate::shot::raw::{
-    RawAuto, RawAxis, RawBox, RawDims, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve, RawSpace,
+    RawAuto, RawAxis, RawBox, RawDims, RawLambdas, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve,
+    RawSpace,
 };
 use crate::shot::{BoxOrientation, BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule};
-use crate::solve::{Minima, Settings, Topology};
+use crate::solve::{Lambdas, Minima, OutsidePins, Regularizer, Sampling, Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
 /// Returns whether a layer moves a whole plate, not a part of it.
@@ -249,6 +250,8 @@ impl Check<'_> {
             ("energy", raw.energy.is_some()),
             ("regularizer", raw.regularizer.is_some()),
             ("weights", raw.weights.is_some()),
+            ("lambdas", raw.lambdas.is_some()),
+            ("iterations", raw.iterations.is_some()),
         ];
         if raw.preset.is_some() {
             for (part, _) in parts.iter().filter(|(_, is_given)| *is_given) {
@@ -264,8 +267,13 @@ impl Check<'_> {
         // to frame. In a solve over time, the first knot searches for the lowest minimum, and the others follow it.
         settings.minima = Minima::Nearest;
         settings.energy = raw.energy.unwrap_or(settings.energy);
-        if let Some(regularizer) = raw.regularizer {
+        if let Some(lambdas) = raw.lambdas {
+            settings = weighted(settings, (lambdas, raw.regularizer));
+        } else if let Some(regularizer) = raw.regularizer {
             settings = settings.with_regularizer(regularizer);
+        }
+        if let Some(iterations) = raw.iterations {
+            (settings.iteration_limit, settings.acceleration, settings.tolerance) = (iterations as usize, 0, -1.0);
         }
         settings.weights = raw.weights.unwrap_or(settings.weights);
         settings.guard = raw.guard.unwrap_or(settings.guard);
@@ -277,4 +285,30 @@ impl Check<'_> {
         settings.temporal = raw.temporal.unwrap_or(settings.temporal);
         settings.with_smoothness(raw.smoothness.unwrap_or(1.0))
     }
+}
+
+/// Returns settings with the terms weighted as in problem files: plain sums, and pins that are held by their weight.
+fn weighted(settings: Settings, (raw, regularizer): (RawLambdas, Option<Regularizer>)) -> Settings {
+    let paper = Settings::paper();
+    let settings = Settings {
+        scaling: paper.scaling,
+        sampling: Sampling::Centroids,
+        start: paper.start,
+        pin_hold: paper.pin_hold,
+        disc: paper.disc,
+        outside_pins: OutsidePins::Extended,
+        lambdas: paper.lambdas,
+        // Sums grow with the model, so a weight between frames would mean another thing for each.
+        temporal: paper.temporal,
+        ..settings
+    };
+    let settings = settings.clone().with_regularizer(regularizer.unwrap_or(settings.regularizer));
+    let usual = settings.lambdas;
+    let lambdas = Lambdas {
+        shape: raw.ml.unwrap_or(usual.shape),
+        pins: raw.mp.unwrap_or(usual.pins),
+        handles: raw.gp.unwrap_or(usual.handles),
+        regularizer: raw.gr.unwrap_or(usual.regularizer),
+    };
+    Settings { lambdas, ..settings }
 }

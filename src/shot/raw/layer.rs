@@ -244,6 +244,12 @@ pub(in crate::shot) struct RawSolve {
     pub(in crate::shot) regularizer: Option<Regularizer>,
     /// Weights of the edges, for energy = "edge" or "vertex" only; default: uniform.
     pub(in crate::shot) weights: Option<EdgeWeights>,
+    /// Weights of the terms in units of the paper, as problem files have them; pins are then held by their weight.
+    #[schemars(example = serde_json::json!({ "ml": 1.0, "mp": 100.0, "gp": 100.0, "gr": 0.01 }))]
+    pub(in crate::shot) lambdas: Option<RawLambdas>,
+    /// Number of plain iterations, without acceleration and whatever they reach; default: until nothing moves any more.
+    #[schemars(range(min = 0, max = 100_000), example = 60)]
+    pub(in crate::shot) iterations: Option<u32>,
     /// What happens where the lattice would fold. "report" reports the fold. "limit" prevents folds in cells that contain part of
     /// the layer; pins give way where this would take more force than they have. Default: report.
     #[schemars(example = &"limit")]
@@ -260,6 +266,24 @@ pub(in crate::shot) struct RawSolve {
     /// higher values also even out slow sways. 0 solves each frame alone. Default: 0.3; 0 with preset = "paper".
     #[schemars(range(min = 0.0, max = 100.0), example = 0.3)]
     pub(in crate::shot) temporal: Option<f64>,
+}
+
+/// Weights of the terms of the energy (lp-FFD, equation 9).
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawLambdas {
+    /// Weight of the distortion; default: 1.
+    #[schemars(range(min = 0.0, max = 1e12), example = 1.0)]
+    pub(in crate::shot) ml: Option<f64>,
+    /// Weight of the pins; default: 100.
+    #[schemars(range(min = 0.0, max = 1e12), example = 100.0)]
+    pub(in crate::shot) mp: Option<f64>,
+    /// Weight of moved handles; default: 100.
+    #[schemars(range(min = 0.0, max = 1e12), example = 100.0)]
+    pub(in crate::shot) gp: Option<f64>,
+    /// Weight of the regulariser; default: 0.01, with "bend" and "affine" 0.001.
+    #[schemars(range(min = 0.0, max = 1e12), example = 0.01)]
+    pub(in crate::shot) gr: Option<f64>,
 }
 
 /// Presets of the solver.

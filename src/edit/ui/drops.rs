@@ -1,0 +1,81 @@
+//! Files dropped on the window.
+//!
+//! In: the files of a pass. Out: an open document, a reference picture, a message about what was not used.
+
+use super::editor::{Deferred, Editor};
+use crate::edit::{Dropped, EditError, Reference};
+use crate::shot::Source;
+use eframe::egui;
+use std::path::{Path, PathBuf};
+
+impl Editor {
+    /// Handles files dropped on the window.
+    pub(super) fn drops(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        let dropped: Vec<PathBuf> = dropped;
+        if !dropped.is_empty() {
+            self.try_open(ctx, Dropped::of(dropped));
+        }
+    }
+
+    /// Opens files, after a question if there is unsaved work.
+    pub(super) fn try_open(&mut self, ctx: &egui::Context, files: Dropped) {
+        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
+            self.unsaved = Some(Deferred::Open(files));
+        } else {
+            self.open_files(ctx, files);
+        }
+    }
+
+    /// Opens the first file that can be opened, and lays the first picture beside it over the frame.
+    pub(super) fn open_files(&mut self, ctx: &egui::Context, files: Dropped) {
+        let Dropped { candidates, pictures, others } = files;
+        let mut fault: Option<EditError> = None;
+        let mut rest = candidates.into_iter();
+        let mut unused: Vec<PathBuf> = Vec::new();
+        let opened = rest.by_ref().find(|path| match self.open(ctx, path) {
+            Ok(()) => true,
+            Err(error) => {
+                unused.push(path.clone());
+                fault.get_or_insert(error);
+                false
+            }
+        });
+        unused.extend(rest);
+        let (Some(_), Some(session)) = (opened, &mut self.session) else {
+            if let Some(error) = fault {
+                self.show_error(&error);
+            }
+            return;
+        };
+        let mut pictures = pictures.into_iter();
+        let mut told = Vec::new();
+        if let Some(picture) = pictures.next() {
+            match Reference::open(&picture, session.playhead.frame()) {
+                Ok(reference) => {
+                    session.reference = Some(reference);
+                    told.push(format!("{} lies over the picture (View: opacity, place).", name(&picture)));
+                }
+                Err(error) => {
+                    told.push(error.to_string());
+                    unused.push(picture);
+                }
+            }
+        }
+        unused.extend(pictures.chain(others));
+        // The scene of a shot that was dropped with it is used.
+        if let Source::Scene(scene) = &session.document().shot().source {
+            unused.retain(|path| path.file_name() != scene.file_name());
+        }
+        if !unused.is_empty() {
+            told.push(format!("Not used: {}", unused.iter().map(|path| name(path)).collect::<Vec<_>>().join(", ")));
+        }
+        if !told.is_empty() {
+            session.say(told.join(" "));
+        }
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
