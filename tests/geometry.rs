@@ -85,6 +85,7 @@ fn build_warped(scene: &Scene, pose: &Pose, warps: &[PartWarp]) -> Geometry {
     let now = PosedScene { pose, camera: &camera, warps };
     let submeshes = vec![vec![Submesh { layer_id: 1, ..Submesh::default() }]; pose.parts.len()];
     assemble(&Assembly {
+        split_for: None,
         scene,
         now,
         neighbours: None,

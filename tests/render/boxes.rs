@@ -3,8 +3,9 @@
 use crate::support::{Studio, write_scene};
 use crate::tiny::{Lens, Part, Tiny, grid};
 use pinwarp::pipeline::{PinAnchor, PreparedShot};
+use pinwarp::raster::ChannelGroup;
 use pinwarp::screen::project;
-use pinwarp::shot::Shot;
+use pinwarp::shot::{Shot, Shutter};
 use pinwarp::space::ScreenPoint;
 
 /// A square from (.6, .3) to (1, .7) on the screen that moves by `x` frame heights a frame.
@@ -99,6 +100,23 @@ fn a_followed_box_is_not_smoothed_across_a_cut_of_the_camera() {
     let fast = seen_from(&[(1, 2.0, "linear"), (5, 2.0, "linear"), (8, 5.0, "linear")]);
     let grown = box_at(&fast, 5.0)[0] - box_at(&near, 5.0)[0];
     assert!(grown.abs() > 1e-3, "{grown}");
+}
+
+#[test]
+fn the_shutter_and_motion_see_one_side_of_a_cut() {
+    let open = |keys: &[(i32, f64, &str)]| {
+        let mut studio = seen_from(keys);
+        studio.shot.shutter = Shutter { angle: 180.0, phase: -90.0 };
+        (studio.shot.samples, studio.shot.output.channels) = (4, vec![ChannelGroup::Beauty, ChannelGroup::Motion]);
+        studio
+    };
+    let (near, far) = (open(&[(1, 2.0, "linear")]), open(&[(1, 5.0, "linear")]));
+    let baked = [(1, 2.0, "linear"), (5, 2.0, "linear"), (6, 5.0, "linear")];
+    for cut in [open(&[(1, 2.0, "hold"), (6, 5.0, "linear")]), open(&baked)] {
+        assert_eq!(cut.frame(5).channels, near.frame(5).channels);
+        assert_eq!(cut.frame(6).channels, far.frame(6).channels);
+    }
+    assert_ne!(near.frame(6).channels, far.frame(6).channels, "the comparison can fail");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 use super::overlay;
 use super::report::report;
 use crate::image::CameraMatrices;
+use crate::pipeline::evaluate::camera_cuts::{exposure_time, take_at};
 use crate::pipeline::prepare::lighting;
 use crate::pipeline::{FrameReport, JerkMeter, PassPlan, PipelineError, PreparedShot, TimeSample, plan_passes};
 use crate::raster::geometry::{self, Assembly, KeptParts, PartWarp, assemble_keeping};
@@ -92,7 +93,8 @@ impl GeometryThread<'_> {
         let runs: Vec<&[PassPlan]> = passes.chunk_by(|a, b| a.time_frames == b.time_frames).collect();
         let build = |run: &&[PassPlan]| {
             let needs_motion = has_motion && run.iter().any(|planned| planned.role != PassRole::Beauty);
-            self.geometry(f64::from(frame) + run[0].time_frames, needs_motion)
+            let time = exposure_time(self.prepared, frame, f64::from(frame) + run[0].time_frames);
+            self.geometry(time, needs_motion)
         };
         for times in runs.chunks(self.parallel_times()) {
             let begun = Instant::now();
@@ -130,12 +132,16 @@ impl GeometryThread<'_> {
         primitives.map(|primitive| primitive.triangles.len()).sum()
     }
 
-    /// Builds the geometry of one time, including positions in the neighbouring frames if motion is wanted.
+    /// Builds the geometry of one time, including positions in the neighbouring frames if motion is wanted. No motion leads across a
+    /// cut of the camera.
     fn geometry(&self, frame: f64, has_motion: bool) -> Result<Geometry, PipelineError> {
         let prepared = self.prepared;
         let now = prepared.sample_at(frame)?;
-        let around =
-            if has_motion { Some([prepared.sample_at(frame + 1.0)?, prepared.sample_at(frame - 1.0)?]) } else { None };
+        let take = take_at(prepared, frame);
+        let beside = |time: f64| {
+            if take_at(prepared, time) == take { prepared.sample_at(time) } else { Ok(Arc::clone(&now)) }
+        };
+        let around = if has_motion { Some([beside(frame + 1.0)?, beside(frame - 1.0)?]) } else { None };
         Ok(geometry_of(prepared, &now, around.as_ref().map(|samples| samples.each_ref().map(|sample| &**sample))))
     }
 }
@@ -149,10 +155,30 @@ pub(in crate::pipeline) fn geometry_of(
     geometry_keeping(prepared, now, around, &KeptParts::default())
 }
 
+/// Builds the geometry of one time with its motion to another, and edges split for the warps of `curved`, one of the two:
+/// seen from either side, the same points of the surface move.
+pub(in crate::pipeline) fn geometry_between(
+    prepared: &PreparedShot,
+    [now, other]: [&TimeSample; 2],
+    curved: &TimeSample,
+) -> Geometry {
+    let warps = curved.warps(&prepared.assignment, |_| true);
+    built(prepared, (now, Some(&warps)), Some([other; 2]), &KeptParts::default())
+}
+
 /// Same as [`geometry_of`], with parts that have been built before.
 pub(in crate::pipeline) fn geometry_keeping(
     prepared: &PreparedShot,
     now: &TimeSample,
+    around: Option<[&TimeSample; 2]>,
+    kept: &KeptParts,
+) -> Geometry {
+    built(prepared, (now, None), around, kept)
+}
+
+fn built(
+    prepared: &PreparedShot,
+    (now, split_for): (&TimeSample, Option<&[PartWarp]>),
     around: Option<[&TimeSample; 2]>,
     kept: &KeptParts,
 ) -> Geometry {
@@ -165,6 +191,7 @@ pub(in crate::pipeline) fn geometry_keeping(
         scene: &prepared.scene,
         now: view_of(now, &warps),
         neighbours,
+        split_for,
         submeshes: &prepared.draw_inputs.submeshes,
         lights: &lighting::lights(&prepared.shot, &now.pose, &prepared.draw_inputs.rig),
         environment: lighting::environment(&prepared.shot, &now.pose),

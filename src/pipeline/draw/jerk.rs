@@ -91,7 +91,7 @@ impl JerkMeter {
         let is_cut = take(wanted.start) < take(frame);
         if wanted.start < prepared.shot.frames.first || is_cut || prepared.shot.layers.is_empty() {
             // Too early for a measurement, also after a cut of the camera; known frames may serve the next one.
-            self.past.retain(|&(past, _)| wanted.contains(&past));
+            self.past.retain(|&(past, _)| wanted.contains(&past) && take(past) == take(frame));
             return;
         }
         let mut known: BTreeMap<i32, Vec<Option<FramePoints>>> = self.past.drain(..).collect();

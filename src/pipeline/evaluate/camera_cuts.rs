@@ -40,6 +40,15 @@ pub(in crate::pipeline) fn take_at(prepared: &PreparedShot, time: f64) -> i64 {
     cuts.partition_point(|&frame| f64::from(frame) + 1.0 <= time) as i64
 }
 
+/// Returns a time of a frame's exposure, moved to the frame if a cut lies between: the shutter never sees two takes. A camera that moves
+/// within the frame of its cut, as baked ones do, is not seen there either.
+pub(in crate::pipeline) fn exposure_time(prepared: &PreparedShot, frame: i32, time: f64) -> f64 {
+    let own = f64::from(frame);
+    let take = take_at(prepared, own);
+    let is_before_cut = time > own && take_at(prepared, time.max(own + 1.0)) > take;
+    if is_before_cut || take_at(prepared, time) < take { own } else { time }
+}
+
 /// The same as [`picture_change`], computed once per frame.
 fn known_change(prepared: &PreparedShot, frame: i32) -> f64 {
     let known = || prepared.cache.picture_changes.lock().unwrap_or_else(PoisonError::into_inner);

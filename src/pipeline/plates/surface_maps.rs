@@ -5,10 +5,10 @@
 
 use super::at_rest::SceneAtRest;
 use crate::image::Frame;
-use crate::pipeline::draw::geometry_thread::geometry_of;
+use crate::pipeline::draw::geometry_thread::geometry_between;
 use crate::pipeline::{PipelineError, PreparedShot, TimeSample, draw::tiles};
 use crate::plate::{SurfacePicture, WarpMap};
-use crate::raster::{ChannelGroup, DeviceChoice, Pass, PassRole, Raster, Target};
+use crate::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, Target};
 use crate::space::{FrameSize, PixelRect};
 use glam::Vec2;
 use std::collections::BTreeSet;
@@ -71,13 +71,14 @@ impl<'a> SurfaceMaps<'a> {
     pub(super) fn pictures(&mut self, frame: f64) -> Result<[SurfacePicture; 2], PipelineError> {
         let unwarped = self.still.sample_at(frame)?;
         let warped = self.prepared.sample_at(frame)?;
-        Ok([self.picture(&unwarped, &warped)?, self.picture(&warped, &unwarped)?])
+        let between = |ends: [&TimeSample; 2]| geometry_between(self.prepared, ends, &warped);
+        let [before, after] = [between([&unwarped, &warped]), between([&warped, &unwarped])];
+        Ok([self.picture(before)?, self.picture(after)?])
     }
 
-    /// Draws one time, with the displacement to another.
-    fn picture(&mut self, shown: &TimeSample, other: &TimeSample) -> Result<SurfacePicture, PipelineError> {
+    /// Draws geometry whose motion is the displacement to the other picture.
+    fn picture(&mut self, mut geometry: Geometry) -> Result<SurfacePicture, PipelineError> {
         let (frame, window) = self.place;
-        let mut geometry = geometry_of(self.prepared, shown, Some([other, other]));
         if let Some(nodes) = &self.nodes {
             geometry.draws.retain(|draw| nodes.contains(&(draw.object_id as usize - 1)));
         }

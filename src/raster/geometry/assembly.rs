@@ -30,6 +30,8 @@ pub struct Assembly<'a> {
     pub now: PosedScene<'a>,
     /// One frame later, then one frame earlier; `None` if motion is not requested (it is then zero).
     pub neighbours: Option<[PosedScene<'a>; 2]>,
+    /// Per part, the warp for which long edges are split; `None`: that of `now`.
+    pub split_for: Option<&'a [PartWarp<'a>]>,
     /// Per part: its submeshes with different ids.
     pub submeshes: &'a [Vec<Submesh>],
     /// All lights.

@@ -61,7 +61,7 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     let posed = &now.pose.parts[part];
     let source = primitive(scene, posed);
     let (warp, rest) = (&now.warps[part], PartWarp::Rest);
-    let bends = EdgeBends::of(warp);
+    let bends = EdgeBends::of(assembly.split_for.map_or(warp, |warps| &warps[part]));
     let beside = |side: usize| neighbours.map_or(&rest, |neighbours| &neighbours[side].warps[part]);
     let warps = [warp, beside(0), beside(1)];
     let warped = |vertex: &ClipVertex, on: PartPoint| vertex.warped(warps, on, range);
