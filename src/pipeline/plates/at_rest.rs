@@ -3,13 +3,15 @@
 //! In: a [`PreparedShot`], layers to leave out, a device. Out: frames of any size, with the ids and names that a render
 //! of the shot gives to the remaining layers.
 
-use crate::image::{Frame, FrameMetadata};
+use crate::image::{Frame, FrameMetadata, Plate};
 use crate::pipeline::draw::draw_frame;
 use crate::pipeline::{PipelineError, PreparedShot};
+use crate::plate::{Matte, WarpSettings, coverage_of};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Raster};
 use crate::scene::Scene;
 use crate::shot::Shot;
 use crate::space::FrameSize;
+use std::sync::Arc;
 
 /// Renders the unwarped scene.
 pub(super) struct SceneAtRest<'a> {
@@ -66,6 +68,22 @@ impl<'a> SceneAtRest<'a> {
         let metadata = FrameMetadata { frame, mattes: prepared.draw_inputs.mattes.clone(), ..FrameMetadata::default() };
         self.ready = Some((device, prepared));
         Ok((drawn?, metadata))
+    }
+
+    /// Renders the unwarped frame of a plate and returns the coverage of each list of names in a Cryptomatte of the render.
+    pub(super) fn mattes(
+        &mut self,
+        frame: i32,
+        plate: &Plate,
+        (layer, names): (&str, &[Vec<String>]),
+    ) -> Result<Vec<Matte>, PipelineError> {
+        let (drawn, metadata) = self.draw(frame, (plate.frame_size(), &[ChannelGroup::Cryptomatte]))?;
+        let drawn = Plate::from_render(drawn, &metadata);
+        let matte = |names: &Vec<String>| {
+            let matte = Matte::Cryptomatte { layer: Some(layer.to_owned()), names: names.clone() };
+            Ok(Matte::Drawn(Arc::new(coverage_of(&drawn, &matte, &WarpSettings::default())?)))
+        };
+        names.iter().map(matte).collect()
     }
 
     /// Opens the raster, and prepares the shot for a frame size.

@@ -7,12 +7,11 @@ use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::image::cryptomatte::clean_name;
 use crate::pipeline::{LayerAssignment, PipelineError, PreparedShot};
-use crate::plate::{Matte, WarpSettings, coverage_of, mattes_of_names};
-use crate::raster::{ChannelGroup, DeviceChoice, MATTE_LAYERS};
+use crate::plate::{Matte, WarpSettings, mattes_of_names};
+use crate::raster::{DeviceChoice, MATTE_LAYERS};
 use crate::shot::{LayerSpace, Source, Unmatted};
 use crate::solve::Topology;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 /// Finds the mattes of layers that name none.
 pub(super) struct DefaultMattes<'a> {
@@ -114,14 +113,8 @@ impl<'a> DefaultMattes<'a> {
         let scene = self
             .scene
             .get_or_insert_with(|| SceneAtRest::new(self.prepared, self.device, Vec::new()).with_numbered_layers());
-        let (drawn, metadata) = scene.draw(frame, (plate.frame_size(), &[ChannelGroup::Cryptomatte]))?;
-        let drawn = Plate::from_render(drawn, &metadata);
-        let of_layers = MATTE_LAYERS.last().map(|name| (*name).to_owned());
-        let matte = |&layer: &usize| {
-            let names = vec![SceneAtRest::number_of(layer)];
-            let matte = Matte::Cryptomatte { layer: of_layers.clone(), names };
-            Ok(Matte::Drawn(Arc::new(coverage_of(&drawn, &matte, &WarpSettings::default())?)))
-        };
-        self.layers.iter().map(matte).collect()
+        let names: Vec<_> = self.layers.iter().map(|&layer| vec![SceneAtRest::number_of(layer)]).collect();
+        let [_, _, of_layers] = MATTE_LAYERS;
+        scene.mattes(frame, plate, (of_layers, &names))
     }
 }

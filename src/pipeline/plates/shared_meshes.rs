@@ -8,10 +8,9 @@ use super::at_rest::SceneAtRest;
 use crate::image::Plate;
 use crate::image::cryptomatte::clean_name;
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::plate::{Field, LayerJob, Matte, WarpSettings, coverage_of, has_motion, mattes_of_names};
-use crate::raster::{ChannelGroup, DeviceChoice, MATTE_LAYERS};
+use crate::plate::{Field, LayerJob, WarpSettings, has_motion, mattes_of_names};
+use crate::raster::{DeviceChoice, MATTE_LAYERS};
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 /// The layers of a shot that share meshes, and all that they move.
 pub(super) struct SharedMeshes<'a> {
@@ -74,12 +73,15 @@ impl<'a> SharedMeshes<'a> {
         let field = self.field(frame, plate)?;
         let names: Vec<&str> =
             self.layers.iter().map(|&layer| self.prepared.shot.layers[layer].name.as_str()).collect();
-        let known = mattes_of_names(plate, std::slice::from_ref(&self.names), settings);
-        let matte = match known.and_then(|mattes| mattes.into_iter().next()) {
-            Some(matte) => matte,
-            None => self.drawn(frame, plate)?,
+        let of_nodes = std::slice::from_ref(&self.names);
+        let mattes = match mattes_of_names(plate, of_nodes, settings) {
+            Some(mattes) => mattes,
+            None => {
+                let scene = self.scene.get_or_insert_with(|| SceneAtRest::new(self.prepared, self.device, Vec::new()));
+                scene.mattes(frame, plate, (MATTE_LAYERS[0], of_nodes))?
+            }
         };
-        Ok(LayerJob { name: names.join(", "), field, previous, next, matte: Some(matte) })
+        Ok(LayerJob { name: names.join(", "), field, previous, next, matte: mattes.into_iter().next() })
     }
 
     /// Returns the warp of a frame, at the pixels of a plate and of its display window.
@@ -94,15 +96,5 @@ impl<'a> SharedMeshes<'a> {
         self.maps = Some(maps);
         let [unwarped, warped] = pictures?;
         Ok(Field::of_surfaces([&unwarped, &warped], size))
-    }
-
-    /// Renders the coverage of the meshes in the unwarped frame.
-    fn drawn(&mut self, frame: i32, plate: &Plate) -> Result<Matte, PipelineError> {
-        let scene = self.scene.get_or_insert_with(|| SceneAtRest::new(self.prepared, self.device, Vec::new()));
-        let (drawn, metadata) = scene.draw(frame, (plate.frame_size(), &[ChannelGroup::Cryptomatte]))?;
-        let of_nodes = Some(MATTE_LAYERS[0].to_owned());
-        let matte = Matte::Cryptomatte { layer: of_nodes, names: self.names.clone() };
-        let coverage = coverage_of(&Plate::from_render(drawn, &metadata), &matte, &WarpSettings::default())?;
-        Ok(Matte::Drawn(Arc::new(coverage)))
     }
 }
