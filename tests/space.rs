@@ -122,6 +122,26 @@ fn solves_do_not_depend_on_the_number_of_threads() {
     assert_eq!(alone(1), alone(3));
 }
 
+#[test]
+fn pins_near_a_line_bend_a_shape_and_do_not_turn_it_over() {
+    let grid = Grid { dims: [5; 3], basis: Basis::Bspline, lo: [-0.5, -1.1, -0.5], hi: [0.5, 1.1, 0.5], angle: 0.0 };
+    let radius = |height: f64| 0.4 * (1.0 - height * height).sqrt();
+    let profile: Vec<[f64; 2]> = (0..=24).map(|k| -(f64::from(k) / 24.0 * PI).cos()).map(|y| [y, radius(y)]).collect();
+    let shape = rings(&profile, 32);
+    // The middle one of three pins along the back is moved across the line of the others, or sideways.
+    let moves = [[-0.1, 0.0], [-0.3, 0.0], [-0.5, 0.0], [0.2, 0.0], [0.0, 0.3], [-0.2, 0.1], [0.0, -0.3]];
+    for (aside, by) in [0.0, 0.1].into_iter().flat_map(|aside| moves.map(|by| (aside, by))) {
+        let on_back = |height: f64, z: f64| [(radius(height).powi(2) - z * z).sqrt(), height, z];
+        let mut pins = [on_back(-0.7, 0.0), on_back(0.0, aside), on_back(0.7, 0.0)].map(|at| PointPin::new(at, at));
+        (pins[1].target[0], pins[1].target[2]) = (pins[1].at[0] + by[0], pins[1].at[2] + by[1]);
+        let solution = solved(&grid, &shape, &pins, &Settings::default());
+        assert_converged(&solution, &grid, 30);
+        let [left, right] = [0.4, -0.4].map(|z| solution.lattice.evaluate([0.0, 0.0, z]));
+        let rolled = (right[0] - left[0]).atan2(left[2] - right[2]).to_degrees();
+        assert!(rolled.abs() < 60.0, "pins {aside} aside, moved by {by:?}: {rolled} degrees");
+    }
+}
+
 /// A ball whose upper ring of pins is turned by an angle.
 struct TwistedBall {
     angle: f64,

@@ -3,7 +3,7 @@
 //! In: pins, handles. Out: x ↦ R (x − from) + to.
 
 use super::linalg::small_matrix::{
-    SquareMatrix, apply, best_rotation, identity, mean_of_best_rotations, minus, symmetric_eigen,
+    SquareMatrix, apply, best_rotation, dot, identity, mean_of_best_rotations, minus, symmetric_eigen, times,
 };
 use super::problem::{HandlePin, PointPin};
 use crate::lattice::Grid;
@@ -12,8 +12,10 @@ use crate::lattice::Grid;
 /// 1 for a rigid motion.
 const DEFINITE: f64 = 0.25;
 
-/// Ratio of the variance of pins across their line to that along it below which targets leave the rotation about this line open.
-const LINE: f64 = 1e-9;
+/// Lever, in box diagonals, of the preference for the smallest rotation about the line on which pins lie. Pins in space that are no
+/// farther from their line than about this leave the rotation about it open: moving one of them across the line would turn the whole
+/// shape over.
+const ROLL_LEVER: f64 = 0.05;
 
 /// The motion x ↦ R (x − from) + to. R is a rotation, or the mean of several if [`RigidMotion::fit_continuous`] finds none definite.
 #[derive(Clone, Copy, Debug)]
@@ -48,35 +50,24 @@ impl<const D: usize> RigidMotion<D> {
 
     fn with_rotation(
         grid: &Grid<D>,
-        (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
+        targets: (&[PointPin<D>], &[HandlePin<D>]),
         rotation: impl Fn(&Correlation<D>) -> SquareMatrix<D>,
     ) -> Self {
-        let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
-        let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
-        let total: f64 = pairs.iter().map(|pair| pair.2).sum();
-        if total <= 0.0 {
+        let Some(mut correlation) = Correlation::of(grid, targets) else {
             return Self { rotation: identity(), from: [0.0; D], to: [0.0; D] };
-        }
-        let (mut from, mut to) = ([0.0; D], [0.0; D]);
-        for (rest, now, weight) in &pairs {
-            (0..D).for_each(|d| from[d] += weight / total * rest[d]);
-            (0..D).for_each(|d| to[d] += weight / total * now[d]);
-        }
-        let mut correlation = Correlation::new(1e-13 * grid.diagonal().powi(2));
-        for (rest, now, weight) in &pairs {
-            correlation.add(weight / total, &minus(rest, &from), &minus(now, &to));
-        }
-        correlation.extent = (0..D).map(|d| correlation.at_rest[d][d]).sum();
-        // A prescribed gradient contributes the images of the axes, with a lever of a tenth of the box diagonal.
-        let lever = 0.01 * grid.diagonal().powi(2);
-        for (pin, gradient) in pins.iter().filter_map(|pin| pin.gradient.map(|gradient| (pin, gradient))) {
-            for (axis, image) in gradient.into_iter().enumerate() {
-                correlation.add(pin.weight / total * lever, &identity()[axis], &image);
-            }
-        }
+        };
         correlation.prefer_small_rotations();
-        Self { rotation: rotation(&correlation), from, to }
+        Self { rotation: rotation(&correlation), from: correlation.from, to: correlation.to }
     }
+}
+
+/// How far three or more pins and moved handles in space leave open by how much the shape is rolled about the line on which they lie:
+/// 1 on the line, 0 from a tenth of the box diagonal on. Two pins do not resist a roll, nor does moving them cause one.
+pub(crate) fn open_roll<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> f64 {
+    if D != 3 || pins.len() + handles.len() < 3 {
+        return 0.0;
+    }
+    Correlation::of(grid, (pins, handles)).map_or(0.0, |correlation| correlation.open_roll(&correlation.line()))
 }
 
 /// Correlation of rest positions and targets, relative to their means.
@@ -91,11 +82,50 @@ struct Correlation<const D: usize> {
     noise: f64,
     /// In 2D, |z| / extent with z = Σ w rest̄·target in complex numbers: how well the targets determine the rotation.
     definiteness: f64,
+    /// Square of [`ROLL_LEVER`], in units of the space.
+    roll_lever: f64,
+    /// Means of the rest positions and of the targets.
+    from: [f64; D],
+    to: [f64; D],
 }
 
 impl<const D: usize> Correlation<D> {
-    fn new(noise: f64) -> Self {
-        Self { moved: [[0.0; D]; D], at_rest: [[0.0; D]; D], extent: 0.0, noise, definiteness: 1.0 }
+    /// The correlation of pins and moved handles; `None` without any of weight.
+    fn of(grid: &Grid<D>, (pins, handles): (&[PointPin<D>], &[HandlePin<D>])) -> Option<Self> {
+        let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
+        let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
+        let total: f64 = pairs.iter().map(|pair| pair.2).sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let (mut from, mut to) = ([0.0; D], [0.0; D]);
+        for (rest, now, weight) in &pairs {
+            (0..D).for_each(|d| from[d] += weight / total * rest[d]);
+            (0..D).for_each(|d| to[d] += weight / total * now[d]);
+        }
+        let square = grid.diagonal().powi(2);
+        let mut correlation = Self {
+            moved: [[0.0; D]; D],
+            at_rest: [[0.0; D]; D],
+            extent: 0.0,
+            noise: 1e-13 * square,
+            definiteness: 1.0,
+            roll_lever: ROLL_LEVER.powi(2) * square,
+            from,
+            to,
+        };
+        for (rest, now, weight) in &pairs {
+            correlation.add(weight / total, &minus(rest, &from), &minus(now, &to));
+        }
+        correlation.extent = (0..D).map(|d| correlation.at_rest[d][d]).sum();
+        // A prescribed gradient contributes the images of the axes, with a lever of a tenth of the box diagonal.
+        let lever = 0.01 * square;
+        for (pin, gradient) in pins.iter().filter_map(|pin| pin.gradient.map(|gradient| (pin, gradient))) {
+            for (axis, image) in gradient.into_iter().enumerate() {
+                correlation.add(pin.weight / total * lever, &identity()[axis], &image);
+            }
+        }
+        Some(correlation)
     }
 
     fn add(&mut self, weight: f64, rest: &[f64; D], now: &[f64; D]) {
@@ -108,6 +138,9 @@ impl<const D: usize> Correlation<D> {
     /// Adds a small multiple of the identity, so that rounding does not choose a rotation; where several are best, the smallest is
     /// taken.
     fn prefer_small_rotations(&mut self) {
+        if D == 3 {
+            self.prefer_small_roll();
+        }
         let s = &mut self.moved;
         if D == 2 && self.extent > self.noise {
             self.definiteness = (s[0][0] + s[1][1]).hypot(s[0][1] - s[1][0]) / self.extent;
@@ -116,16 +149,60 @@ impl<const D: usize> Correlation<D> {
         (0..D).for_each(|d| s[d][d] += 1e-12 * size + self.noise);
     }
 
+    /// If the rest positions lie near a line, adds the axes with a lever, moved by the smallest rotation that maps the line to its
+    /// image. The lever fades out with the distance from the line, and where the line is turned around, because there all rotations
+    /// by 180 degrees are equally small.
+    fn prefer_small_roll(&mut self) {
+        let line = self.line();
+        let direction = line.direction;
+        let image: [f64; D] = std::array::from_fn(|b| (0..D).map(|a| direction[a] * self.moved[a][b]).sum());
+        let length = dot(&image, &image).sqrt();
+        if length <= self.noise {
+            return;
+        }
+        let image = image.map(|x| x / length);
+        let halved = 0.5 * self.open_roll(&line) * self.roll_lever;
+        // (1 + c) R = (1 + c) (I + K) + K², with c the cosine and K x = (direction × image) × x.
+        let c = dot(&direction, &image);
+        let k: SquareMatrix<D> = std::array::from_fn(|row| {
+            std::array::from_fn(|column| image[row] * direction[column] - direction[row] * image[column])
+        });
+        let squared = times(&k, &k);
+        for a in 0..D {
+            self.moved[a][a] += halved * (1.0 + c);
+            self.at_rest[a][a] += halved * (1.0 + c);
+            (0..D).for_each(|b| self.moved[a][b] += halved * ((1.0 + c) * k[b][a] + squared[b][a]));
+        }
+    }
+
+    /// 1 where the rest positions lie on a line, 0 where they are far from one.
+    fn open_roll(&self, line: &Line<D>) -> f64 {
+        if line.along <= self.noise {
+            return 0.0;
+        }
+        let nearness = |ratio: f64| 1.0 - smoothstep(ratio);
+        nearness(line.across / (4.0 * self.roll_lever)) * nearness(4.0 * line.across / line.along)
+    }
+
+    /// The line on which the rest positions lie.
+    fn line(&self) -> Line<D> {
+        let (variances, axes) = symmetric_eigen(&self.at_rest);
+        let first = (1..D).fold(0, |first, k| if variances[k] > variances[first] { k } else { first });
+        Line {
+            along: variances[first],
+            across: variances.iter().sum::<f64>() - variances[first],
+            direction: std::array::from_fn(|row| axes[row][first]),
+        }
+    }
+
     /// The best rotation, or a mean of the rotations that fit nearly as well.
     fn continuous_rotation(&self) -> SquareMatrix<D> {
         if D != 3 {
             let share = smoothstep(self.definiteness / DEFINITE);
             return best_rotation(&self.moved).map(|row| row.map(|x| x * share));
         }
-        let (variances, _) = symmetric_eigen(&self.at_rest);
-        let along: f64 = variances.into_iter().fold(0.0, f64::max);
-        let across = variances.iter().sum::<f64>() - along;
-        if across <= LINE * along {
+        let Line { across, .. } = self.line();
+        if across <= self.noise {
             return best_rotation(&self.moved);
         }
         // For a rigid motion the second best rotation fits worse by 2·across.
@@ -133,8 +210,62 @@ impl<const D: usize> Correlation<D> {
     }
 }
 
+/// The line on which positions lie, through their mean.
+struct Line<const D: usize> {
+    /// Variance along the line.
+    along: f64,
+    /// Variance across it.
+    across: f64,
+    direction: [f64; D],
+}
+
 /// 0 up to 0, 1 from 1 on, with continuous derivative.
 fn smoothstep(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Basis;
+    use crate::solve::linalg::small_matrix::distance;
+
+    /// The fit of pins to targets in a box of size 1.
+    fn fit(pins: [([f64; 3], [f64; 3]); 3], is_continuous: bool) -> RigidMotion<3> {
+        let grid = Grid { dims: [5; 3], basis: Basis::Bspline, lo: [-0.5; 3], hi: [0.5; 3], angle: 0.0 };
+        let pins = pins.map(|(at, target)| PointPin::new(at, target));
+        if is_continuous { RigidMotion::fit_continuous(&grid, &pins, &[]) } else { RigidMotion::fit(&grid, &pins, &[]) }
+    }
+
+    /// Pins along x, the middle one this far from their line.
+    fn near_a_line(height: f64) -> [[f64; 3]; 3] {
+        [[-0.3, 0.0, 0.0], [0.0, height, 0.0], [0.3, 0.0, 0.0]]
+    }
+
+    #[test]
+    fn a_pin_moved_across_the_line_of_the_others_does_not_turn_the_shape_over() {
+        for (height, down) in [(0.02, 0.1), (0.02, 0.04), (0.001, 0.3), (0.0, 0.1)] {
+            let moved = |at: [f64; 3]| (at, if at[0] == 0.0 { [0.0, height - down, 0.0] } else { at });
+            for is_continuous in [false, true] {
+                let rotation = fit(near_a_line(height).map(moved), is_continuous).rotation();
+                assert!((0..3).all(|d| rotation[d][d] > 0.9), "{height} {down}: {rotation:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn pins_that_turn_rigidly_are_followed() {
+        // The smallest rotation of a line near which pins lie, and any rotation of pins far from one.
+        let spin = |[x, y, z]: [f64; 3]| [-0.5 * x - 0.75_f64.sqrt() * y, 0.75_f64.sqrt() * x - 0.5 * y, z];
+        let roll = |[x, y, z]: [f64; 3]| [x, -y, -z];
+        let cases: [(f64, &dyn Fn([f64; 3]) -> [f64; 3]); 4] =
+            [(0.0, &spin), (0.02, &spin), (0.3, &spin), (0.3, &roll)];
+        for (height, rotated) in cases {
+            let motion = fit(near_a_line(height).map(|at| (at, rotated(at))), true);
+            for at in [[0.4, 0.1, -0.2], [-0.1, 0.3, 0.3]] {
+                assert!(distance(&motion.image(&at), &rotated(at)) < 1e-9, "{height}: {motion:?}");
+            }
+        }
+    }
 }

@@ -18,7 +18,7 @@ use super::prefactored::{Prefactored, Retargeted, TargetTerms};
 use super::problem::{HandlePin, ModelPoint, PointPin, Problem, Shape};
 use super::regularizer::RegularizerTerm;
 use super::report::{Solution, SolveReport, Stationarity};
-use super::rigid_motion::RigidMotion;
+use super::rigid_motion::{RigidMotion, open_roll};
 use super::settings::{Guard, Scaling, Settings, Start};
 use super::targets::Targets;
 use super::terms::{Scales, Terms};
@@ -74,6 +74,10 @@ const INTERPOLATION: f64 = 100.0;
 /// Weight of the Tikhonov term, which draws handles to the rigid fit, as a fraction of the mean diagonal of shape and
 /// regulariser. It determines handles that nothing else constrains, and changes the others by less than the tolerance.
 const TIKHONOV: f64 = 1e-9;
+
+/// Weight of the same term in space where pins lie near a line ([`open_roll`]), relative to the stiffness of the shape: turning the
+/// shape over then costs about as much as bending it strongly.
+const ROLL: f64 = 1.5;
 
 impl<const D: usize> System<D> {
     /// Samples the shape and factors the matrix.
@@ -149,6 +153,10 @@ impl<const D: usize> System<D> {
         terms.regularizer.add_normal(scales.regularizer, &mut normal, cancel);
         if settings.scaling == Scaling::Dimensionless {
             scales.tikhonov = TIKHONOV * normal.mean_diagonal();
+            if settings.start == Start::RigidFit {
+                let stiffness = scales.shape * distortion.mass() / (count as f64 * grid.diagonal().powi(2));
+                scales.tikhonov += ROLL * stiffness * open_roll(grid, problem.pins, problem.handles);
+            }
             (0..count).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
         }
         terms.pins.add_normal(scales.pins, &mut normal, cancel);
