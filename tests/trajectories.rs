@@ -219,6 +219,26 @@ fn an_elbow_and_a_turned_arm_do_not_snap() {
 }
 
 #[test]
+fn a_snap_that_is_spread_up_to_the_last_knot_goes_on_behind_it_at_its_speed() {
+    let limb = elbow();
+    let mut found = 0;
+    for last in 3..12 {
+        let last = f64::from(last);
+        let trajectory =
+            Trajectory::solve(&limb, Coupling { last, ..coupling(WEIGHT) }, &Cancel::never()).expect("solved");
+        if !trajectory.spreads().iter().any(|spread| spread.frames[1] == last) {
+            continue;
+        }
+        found += 1;
+        let motion = Motion { limb: &limb, trajectory: Some(trajectory) };
+        let [before, at, behind] = [last - 0.25, last, last + 0.25].map(|time| motion.points(time));
+        let (before, behind) = (farthest(&before, &at), farthest(&at, &behind));
+        assert!(behind < 2.0 * before + 2.0, "last knot at {last}: {before} px before it, {behind} px behind it");
+    }
+    assert!(found > 0, "no snap is spread up to the last knot");
+}
+
+#[test]
 fn long_animations_are_solved_in_windows_that_look_ahead() {
     for seed in 0..3 {
         let mut limb = Limb::random(seed, 0.3, 48.0);

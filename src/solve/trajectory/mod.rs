@@ -177,7 +177,7 @@ impl<const D: usize> Trajectory<D> {
 
     /// The knots that determine the state at a time. Before the first knot, after the last, beside a gap or a cut, and where only one
     /// neighbour has the same drawing, the proximal term has a single knot and a weight inversely proportional to the distance
-    /// from it.
+    /// from it: that of the interval on its other side, so that the motion goes on at about the same speed.
     fn neighbourhood(&self, time: f64, (drawing, take): (i64, i64)) -> Neighbourhood<'_, D> {
         let SolvedKnots { states, drawings, takes, .. } = &self.knots;
         let place = self.knots.place(time);
@@ -196,8 +196,11 @@ impl<const D: usize> Trajectory<D> {
             (None, None) => (any_state(before), any_state(after)),
             own => own,
         };
-        let single = |state: &Displacement<D>, distance: f64| {
-            Neighbourhood::Proximal(Proximal { displacement: state.clone(), weight: self.weight / distance })
+        // Raised weights hold the outermost knots away from their minima, which lie far from them.
+        let single = |state: &Displacement<D>, distance: f64, beside: Option<usize>| {
+            let weight = beside.and_then(|interval| self.knots.weights.get(interval)).map_or(0.0, |weight| *weight);
+            let weight = weight.max(self.weight) / distance;
+            Neighbourhood::Proximal(Proximal { displacement: state.clone(), weight })
         };
         match pair {
             (Some(_), Some(_)) => {
@@ -205,8 +208,8 @@ impl<const D: usize> Trajectory<D> {
                 let proximal = self.knots.proximal(interval, place - before, self.interior_weights[interval]);
                 proximal.map_or(Neighbourhood::Alone, Neighbourhood::Proximal)
             }
-            (Some(only), None) => single(only, place - before),
-            (None, Some(only)) => single(only, after - place),
+            (Some(only), None) => single(only, place - before, (before as usize).checked_sub(1)),
+            (None, Some(only)) => single(only, after - place, Some(after as usize)),
             (None, None) => Neighbourhood::Alone,
         }
     }
