@@ -100,7 +100,12 @@ fn folding(offset: &str) -> Bench {
 #[test]
 fn folds_of_the_model_are_reported_with_layer_frame_and_remedy() {
     let bench = folding("[0.6, 0.0]");
-    const WORDS: &[&str] = &["frame 2: layer 'all': the model folds over itself in", "guard = \"limit\"", "add pins"];
+    const WORDS: &[&str] = &[
+        "frame 2: layer 'all': the model folds over itself in",
+        "guard = \"limit\"",
+        "add pins",
+        "topology = \"branching\"",
+    ];
     let told = bench.render("").says(0, WORDS);
     assert!(!told.stderr.contains("frame 1: layer 'all': the model folds"), "{}", told.stderr);
     let checked = bench.run("check shot.toml").says(0, &[]).stdout;
@@ -147,7 +152,14 @@ fn pins_that_share_cells_are_reported_with_frames_and_dims() {
     bench.write("shot.toml", text.replace(OUTPUT, &format!("{skirt}{OUTPUT}")).as_bytes());
     let told = bench.run("check shot.toml").says(0, &[]).stdout;
     let line = told.lines().find(|line| line.contains("share cells")).unwrap_or_default();
-    let words = ["warning: frames ", "layer 'all'", "'hand' and 'skirt'", "dims = [", "a layer of its own"];
+    let words = [
+        "warning: frames ",
+        "layer 'all'",
+        "'hand' and 'skirt'",
+        "dims = [",
+        "topology = \"branching\"",
+        "a layer of its own",
+    ];
     assert!(words.iter().all(|word| line.contains(word)), "{told}");
 }
 

@@ -4,6 +4,7 @@
 
 use super::shared_cells;
 use crate::pipeline::evaluate::lattice_box::screen_bounds;
+use crate::pipeline::evaluate::topology::branching_remedy;
 use crate::pipeline::trajectories::{TimedNote, note_at};
 use crate::pipeline::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
@@ -32,9 +33,10 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         let errors_px = pin_errors_px(sample, state, height_px);
         report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(handle_warnings(layer, &solve, height_px));
-        report.warnings.extend(fold_warning(layer, &solve));
+        report.warnings.extend(fold_warning(layer, &solve, branching_remedy(&prepared.shot, layer)));
         let anchors = prepared.anchors_of(index);
-        report.warnings.extend(shared_cells::warning((layer, anchors), state, &solve, height_px));
+        let told = shared_cells::warning((&prepared.shot, layer, anchors), state, &solve, height_px);
+        report.warnings.extend(told);
         match note_at(prepared, index, frame) {
             Some(TimedNote::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
             Some(TimedNote::Alone(why)) => {
@@ -152,14 +154,14 @@ fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<St
 }
 
 /// Returns a warning about folded cells in which the model overlaps itself.
-fn fold_warning(layer: &Layer, solve: &SolveReport) -> Option<String> {
+fn fold_warning(layer: &Layer, solve: &SolveReport, branching_remedy: &str) -> Option<String> {
     if solve.folded_model_cells == 0 {
         return None;
     }
     let cells = pluralised(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
     Some(format!(
         "layer '{}': the model folds over itself in {cells}; move its pins less or farther apart, add pins that hold what \
-         lies between, or let `solve = {{ guard = \"limit\" }}` keep it from folding (--overlay shows the cells in red)",
+         lies between{branching_remedy}, or let `solve = {{ guard = \"limit\" }}` keep it from folding (--overlay shows the cells in red)",
         layer.name
     ))
 }

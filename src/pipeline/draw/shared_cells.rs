@@ -4,8 +4,9 @@
 
 use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
 use crate::pipeline::evaluate::part_triangle_ranges::held_triangles;
+use crate::pipeline::evaluate::topology::branching_remedy;
 use crate::pipeline::{LayerState, PinAnchor, PinState};
-use crate::shot::{Layer, LayerSpace};
+use crate::shot::{Layer, LayerSpace, Shot};
 use crate::solve::SolveReport;
 
 /// Distance of two pins, in cells, below which they share most of the handles that act on them.
@@ -33,7 +34,7 @@ struct Pair<'a> {
 /// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; pairs reported
 /// as contradictions are left out.
 pub(in crate::pipeline) fn warning(
-    (layer, anchors): (&Layer, &[PinAnchor]),
+    (shot, layer, anchors): (&Shot, &Layer, &[PinAnchor]),
     state: &LayerState,
     solve: &SolveReport,
     height_px: f64,
@@ -48,13 +49,14 @@ pub(in crate::pipeline) fn warning(
     let finer = dims.map(|count| ((count as f64 * 2.0 * APART_CELLS / worst.cells).ceil() as usize).max(count + 1));
     let is_possible = finer.iter().all(|&count| count <= MAX_SIDE) && finer[0] * finer[1] <= MAX_HANDLES_IN_ALL;
     let remedy = if is_possible {
-        format!("give the lattice more handles (dims = [{}, {}]), or each part a layer of its own", finer[0], finer[1])
+        format!("give the lattice more handles (dims = [{}, {}])", finer[0], finer[1])
     } else {
-        "move them farther apart, or give each part a layer of its own (`nodes`, `select`)".into()
+        "move them farther apart".into()
     };
+    let branching = branching_remedy(shot, layer);
     Some(format!(
         "layer '{}': pins '{one}' and '{other}' share cells of the lattice ({:.1} cells lie between them) and are to move {apart_px:.0} px \
-         apart: the area around them is distorted; {remedy}",
+         apart: the area around them is distorted; {remedy}{branching}, or give each part a layer of its own (`nodes`, `select`)",
         layer.name, worst.cells
     ))
 }

@@ -5,7 +5,7 @@
 use crate::pipeline::prepare::layer_assignment::LayerAssignment;
 use crate::pipeline::prepare::transfer::Loaded;
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::shot::{Shot, Source};
+use crate::shot::{Layer, Shot, Source};
 use crate::solve::Topology;
 
 /// Refuses layers with branching lattices where only plain ones are supported; `what`: the operation requested.
@@ -22,6 +22,20 @@ pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), Pip
     }
 }
 
+/// What to do where parts that are apart on a model share handles; empty where the layer branches already, or cannot.
+pub(in crate::pipeline) fn branching_remedy(shot: &Shot, layer: &Layer) -> &'static str {
+    let is_plain = layer.settings.topology == Topology::Plain;
+    if is_plain && can_branch(layer) && matches!(shot.source, Source::Scene(_)) {
+        ", give parts that are apart on the model handles of their own (topology = \"branching\" in `lattice`)"
+    } else {
+        ""
+    }
+}
+
+fn can_branch(layer: &Layer) -> bool {
+    layer.basis.can_branch() && layer.settings.branching_fault().is_none()
+}
+
 /// Makes layers plain whose shot leaves the topology open and that cannot or should not branch: those whose basis or solver does
 /// not support it, those with several pictures, which would count as islands, and those whose lattices come from a file without
 /// branches.
@@ -30,8 +44,7 @@ pub(in crate::pipeline) fn choose(shot: &mut Shot, assignment: &LayerAssignment,
     for ((layer, parts), loaded) in shot.layers.iter_mut().zip(&assignment.parts_of_layer).zip(loaded) {
         let has_several_pictures = is_picture && parts.len() > 1;
         let is_loaded_plain = loaded.as_ref().is_some_and(|loaded| !loaded.has_branches());
-        let can_branch = layer.basis.can_branch() && layer.settings.branching_fault().is_none();
-        if layer.has_auto_topology && (!can_branch || has_several_pictures || is_loaded_plain) {
+        if layer.has_auto_topology && (!can_branch(layer) || has_several_pictures || is_loaded_plain) {
             layer.settings.topology = Topology::Plain;
         }
     }
