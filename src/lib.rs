@@ -19,6 +19,7 @@
 pub mod space;
 
 mod files;
+mod smoothstep;
 mod spelling;
 
 pub mod memory;

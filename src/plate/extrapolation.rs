@@ -5,6 +5,7 @@
 
 use super::ramp::Ramp;
 use crate::lattice::{AxisTerms, Grid, MAX_HANDLES, ScreenLattice, Support};
+use crate::smoothstep::smoothstep;
 use crate::space::{ScreenBox, ScreenPoint};
 use glam::{DMat2, DVec2};
 
@@ -232,8 +233,8 @@ impl ExtrapolatedLattice {
         let s = if bend > 0.0 { (out.abs() / bend).min(1.0) } else { 1.0 };
         AxisExtrapolation {
             c: bend * s * (1.0 - s * s * (1.0 - 0.5 * s)) * out.signum(),
-            c_slope: 1.0 - s * s * (3.0 - 2.0 * s),
-            f: 1.0 - t * t * (3.0 - 2.0 * t),
+            c_slope: 1.0 - smoothstep(s),
+            f: 1.0 - smoothstep(t),
             f_slope: -6.0 * t * (1.0 - t) / margin * out.signum(),
         }
     }

@@ -47,8 +47,8 @@ impl Ramp {
     /// Returns the factor and its derivative along one axis.
     fn along(&self, axis: usize, place: f64) -> [f64; 2] {
         let [lower, upper] = self.widths[axis];
-        let [a, da] = smoothstep((place - self.bounds.min.0[axis]) / lower);
-        let [b, db] = smoothstep((self.bounds.max.0[axis] - place) / upper);
+        let [a, da] = smootherstep((place - self.bounds.min.0[axis]) / lower);
+        let [b, db] = smootherstep((self.bounds.max.0[axis] - place) / upper);
         [a * b, da / lower * b - a * db / upper]
     }
 }
@@ -56,8 +56,8 @@ impl Ramp {
 /// Intervals of a falloff between neighbouring [`Ramp::places`].
 const PIECES: u32 = 8;
 
-/// Returns the value and derivative of the smoothstep.
-fn smoothstep(t: f64) -> [f64; 2] {
+/// Returns the value and derivative of the quintic step from 0 to 1, whose second derivative is continuous.
+fn smootherstep(t: f64) -> [f64; 2] {
     let t = t.clamp(0.0, 1.0);
     [t * t * t * (t * (t * 6.0 - 15.0) + 10.0), 30.0 * t * t * (t - 1.0) * (t - 1.0)]
 }

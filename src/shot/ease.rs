@@ -3,13 +3,14 @@
 //! In: an [`Ease`] and the elapsed fraction of the segment's time. Out: the fraction of the change.
 
 use super::Ease;
+use crate::smoothstep::smoothstep;
 
 /// Returns the fraction of the change at the fraction `time` (0..=1) of the segment.
 pub(super) fn eased(ease: Ease, time: f64) -> f64 {
     match ease {
         Ease::Hold => 0.0,
         Ease::Linear => time,
-        Ease::Smooth => time * time * (3.0 - 2.0 * time),
+        Ease::Smooth => smoothstep(time),
         Ease::Bezier([x1, y1, x2, y2]) => cubic(y1, y2, parameter_at(x1, x2, time)),
     }
 }

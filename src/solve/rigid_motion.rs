@@ -7,6 +7,7 @@ use super::linalg::small_matrix::{
 };
 use super::problem::{HandlePin, PointPin};
 use crate::lattice::Grid;
+use crate::smoothstep::smoothstep;
 
 /// Measure of how well targets determine a rotation from which on the best one is used unchanged: 0 where another fits equally well,
 /// 1 for a rigid motion.
@@ -217,12 +218,6 @@ struct Line<const D: usize> {
     /// Variance across it.
     across: f64,
     direction: [f64; D],
-}
-
-/// 0 up to 0, 1 from 1 on, with continuous derivative.
-fn smoothstep(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]

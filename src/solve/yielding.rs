@@ -9,6 +9,7 @@ use super::problem::{HandlePin, PointPin};
 use super::rigid_motion::RigidMotion;
 use super::settings::{PinHold, Settings};
 use crate::lattice::Grid;
+use crate::smoothstep::smoothstep;
 
 /// Added to distances, in spans, so that pins at the same point have a finite compliance.
 const MIN_DISTANCE: f64 = 1e-4;
@@ -95,8 +96,7 @@ impl<const D: usize> Demand<D> {
         // Compressing a pair counts as much as stretching it.
         let stretch = (times - 1.0).max(1.0 / times - 1.0);
         let change = distance(&self.now, &self.turned) / length;
-        let t = (spans / NEAR).min(1.0);
-        let freedom = t * t * (3.0 - 2.0 * t);
+        let freedom = smoothstep(spans / NEAR);
         // Far pairs may rotate freely, near ones only with the other pins.
         let turning = (change * change - (times - 1.0).powi(2)).max(0.0);
         let asked = (stretch * stretch + (1.0 - freedom) * turning).sqrt();

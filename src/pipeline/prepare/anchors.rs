@@ -7,6 +7,7 @@ use crate::pose::{Pose, PosedPart};
 use crate::scene::Scene;
 use crate::screen::{Camera, Hit, ScreenMesh, primitive};
 use crate::shot::{Anchor, Shot};
+use crate::smoothstep::smoothstep;
 use crate::space::ScreenPoint;
 use crate::spelling;
 use glam::DVec3;
@@ -89,8 +90,7 @@ pub(in crate::pipeline) fn presence(depth: f64, camera: &Camera) -> f64 {
     if camera.is_parallel() {
         return if depth >= near { 1.0 } else { 0.0 };
     }
-    let t = ((depth / near - 1.0) / (FADE_STARTS_AT - 1.0)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    smoothstep((depth / near - 1.0) / (FADE_STARTS_AT - 1.0))
 }
 
 /// Finds the triangle of a surface anchor, and returns a note if its stored rest position no longer matches.

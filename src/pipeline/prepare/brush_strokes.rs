@@ -9,6 +9,7 @@ use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::{BrushStroke, Shot};
+use crate::smoothstep::smoothstep;
 use crate::spelling::{self, pluralised};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -163,8 +164,7 @@ impl Stroke<'_> {
 
 /// Returns how much a stroke applies at a distance in radii: fully near its line, and less towards its radius.
 fn falloff(distance: f64) -> f64 {
-    let beyond = ((distance - FULL) / (1.0 - FULL)).clamp(0.0, 1.0);
-    1.0 - beyond * beyond * (3.0 - 2.0 * beyond)
+    1.0 - smoothstep((distance - FULL) / (1.0 - FULL))
 }
 
 /// Returns points along a line through points.

@@ -7,6 +7,7 @@
 use super::points::{BarrierPoints, FINE};
 use super::potential::{ACTIVATION_DET, MIN_DET};
 use super::reactions::Reactions;
+use crate::smoothstep::smoothstep;
 use crate::solve::cancel::Cancelled;
 use crate::solve::energy::RotationHessian;
 use crate::solve::linalg::factorization::Factorization;
@@ -84,8 +85,8 @@ impl<const D: usize> Minimization<'_, D> {
         let mut reactions = Reactions::new(self);
         // The force limits of the pins rise with the remaining determinant, so that pins do not give way suddenly where the
         // barrier begins to act.
-        let t = (barrier.min_det(&free.handles) / ACTIVATION_DET).clamp(0.0, 1.0);
-        reactions.initialise_multipliers(&self.unconstrained_step(&free.handles)?, t * t * (3.0 - 2.0 * t));
+        let share = smoothstep(barrier.min_det(&free.handles) / ACTIVATION_DET);
+        reactions.initialise_multipliers(&self.unconstrained_step(&free.handles)?, share);
         let mut result = free;
         let mut finer = BTreeMap::new();
         for round in 0..=REFINEMENTS {
