@@ -21,7 +21,6 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Composes the plate and completes the report.
 pub(super) fn compose(compositor: &PlateCompositor, composites: &[Composite], report: &mut PlateReport) -> Plate {
     compositor.table.report(report);
-    report.warnings.extend(compositor.filling.iter().filter_map(|filling| filling.refusal.clone()));
     report.warnings.extend(composites.iter().find_map(|composite| composite.overlap.clone()));
     let mut planes = OutputPlanes::new();
     for composite in composites {
@@ -95,7 +94,7 @@ fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut P
     if report.uncovered_pixels == 0 {
         report.uncovered_pixels = holes;
     }
-    let filling = compositor.filling.as_ref().filter(|filling| holes > 0 && filling.refusal.is_none());
+    let filling = compositor.filling.as_ref().filter(|_| holes > 0);
     let Some(filling) = filling else { return };
     let missing = group.entries.iter().filter(|entry| filling.find(entry).is_none());
     let names: Vec<&str> = missing.map(|entry| entry.name.full.as_str()).collect();

@@ -58,6 +58,7 @@ pub(crate) use disjoint_over::{over, transmittance};
 pub use field::Field;
 pub(crate) use filter::{Extent, lanczos_table, resample_part};
 pub use filter::{Planes, footprint_taps, resample_into, resampled};
+pub(crate) use hole_filling::check_fill;
 pub use job::{LayerJob, PlateJob};
 pub(crate) use map_parts::SharedParts;
 pub use report::{ChannelReport, PlateError, PlateReport, SemanticReason};

@@ -100,7 +100,7 @@ impl Warper {
         }
         assign_windows(&mut composites, plate.frame_size(), &moving_layers);
         assign_maps(&mut composites, plate.frame_size(), &moving_layers);
-        let filling = job.fill.map(|fill| HoleFilling::of(fill, plate));
+        let filling = job.fill.map(|fill| HoleFilling::of(fill, plate)).transpose()?;
         let compositor = PlateCompositor {
             table: &table,
             settings: job.settings,

@@ -6,7 +6,7 @@ use super::{PlateWarp, WarpJob};
 use crate::files::check_regular;
 use crate::image::{Plate, SequencePath, read_any_head};
 use crate::pipeline::PipelineError;
-use crate::plate::{Matte, check_plate, check_stmap};
+use crate::plate::{Matte, check_fill, check_plate, check_stmap};
 use crate::space::FrameSize;
 use std::path::Path;
 
@@ -68,12 +68,21 @@ fn check_frame(
     if let Some(maps) = sources.maps {
         check_map(&maps.path_of(frame), &head)?;
     }
+    if let Some(clean) = sources.clean {
+        check_clean(&clean.path_of(frame), &head)?;
+    }
     Ok(Some(check_plate(&head, mattes, &job.settings)?))
 }
 
 fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
     let Ok(map) = read_any_head(path) else { return Ok(()) };
     check_stmap(&map, plate).map_err(|source| PipelineError::StMap { path: path.to_owned(), source })
+}
+
+/// Checks that a clean plate has the size of its plate.
+fn check_clean(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
+    let Ok(clean) = read_any_head(path) else { return Ok(()) };
+    check_fill(&clean, plate).map_err(|source| PipelineError::CleanPlate { path: path.to_owned(), source })
 }
 
 /// Checks the aspect ratio of a plate: proxies and overscan have the shot's; any other belongs to another shot.

@@ -14,7 +14,7 @@ use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
 use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
-use crate::plate::{Field, Holes, LayerJob, Matte, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
+use crate::plate::{Field, Holes, LayerJob, Matte, PlateJob, PlateReport, Warper, check_fill, has_motion, map_of_stmap};
 use crate::solve::Solution;
 use crate::space::FrameSize;
 use std::path::PathBuf;
@@ -136,6 +136,9 @@ impl<'a> Stage<'a> {
                 warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source })?;
             return Ok((warped, report, String::new()));
         }
+        if let Some(clean) = clean {
+            self.check_clean(frame, [clean, plate])?;
+        }
         let moved = self.moved(frame, has_motion(plate, &settings))?;
         let found = match &mut self.default_mattes {
             Some(mattes) if !moved.is_empty() => mattes.at(frame, (plate, &settings))?,
@@ -164,6 +167,12 @@ impl<'a> Stage<'a> {
         let job = PlateJob { layers, settings: &settings, fill: clean.as_ref().or(drawn.as_ref()) };
         let (warped, report) = self.warper.warp(plate, &job)?;
         Ok((warped, report, found.source))
+    }
+
+    /// Refuses a clean plate of another size than its plate, which the headers of the first and last frame do not show.
+    fn check_clean(&self, frame: i32, [clean, plate]: [&Plate; 2]) -> Result<(), PipelineError> {
+        let path = || self.plan.clean.as_ref().map(|clean| clean.path_of(frame)).unwrap_or_default();
+        check_fill(clean, plate).map_err(|source| PipelineError::CleanPlate { path: path(), source })
     }
 
     fn map_path(&self, frame: i32) -> PathBuf {
