@@ -24,6 +24,7 @@ mod flow;
 mod hole_filling;
 mod job;
 mod map_blocks;
+mod map_doubt;
 mod map_folds;
 mod map_mesh;
 mod map_parts;

@@ -106,6 +106,12 @@ pub enum PlateError {
         /// Name of the channel.
         channel: String,
     },
+    /// A picture used as an STMap is a render.
+    #[error(
+        "the picture is a render of pinwarp and not an STMap, since neighbouring pixels lead to places that are not neighbours; \
+         export maps with `pinwarp export --to stmap`"
+    )]
+    RenderAsStMap,
     /// The values of an STMap are not fractions of the frame.
     #[error(
         "channel \"{channel}\" of the STMap holds {found}, which is not a fraction of the frame; divide pixels by the display \

@@ -18,6 +18,7 @@ mod hints;
 mod info;
 mod lattices;
 mod maps;
+mod names;
 mod options;
 mod pins;
 mod resume;

@@ -4,8 +4,10 @@
 
 mod after_effects;
 mod blender;
+mod file_name;
 mod gltf;
 mod lattice_json;
+mod map_size;
 mod maps;
 mod nuke;
 mod source;
@@ -19,6 +21,7 @@ use clap::ValueEnum;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     refuse_idle_flags(args)?;
+    file_name::check(args)?;
     match args.to {
         ExportFormat::LatticeJson => lattice_json::run(args),
         ExportFormat::Stmap => stmap::run(args),

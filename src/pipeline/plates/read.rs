@@ -66,7 +66,7 @@ impl Reader<'_> {
 }
 
 /// Returns the memory for a picture that is only sampled: its samples as floats, and as stored while being decoded.
-fn held_bytes(extent: PictureExtent) -> u128 {
+pub(super) fn held_bytes(extent: PictureExtent) -> u128 {
     8 * extent.samples
 }
 

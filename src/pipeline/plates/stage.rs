@@ -14,7 +14,9 @@ use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
 use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
-use crate::plate::{Field, Holes, LayerJob, Matte, PlateJob, PlateReport, Warper, check_fill, has_motion, map_of_stmap};
+use crate::plate::{
+    Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
+};
 use crate::solve::Solution;
 use crate::space::FrameSize;
 use std::path::PathBuf;
@@ -131,10 +133,7 @@ impl<'a> Stage<'a> {
         check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
         let settings = self.job.settings.in_pixels(size);
         if let Some(map) = map {
-            let warped = map_of_stmap(map).and_then(|map| self.warper.remap(plate, &map, &settings));
-            let (warped, report) =
-                warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source })?;
-            return Ok((warped, report, String::new()));
+            return self.remapped(frame, [plate, map], &settings);
         }
         if let Some(clean) = clean {
             self.check_clean(frame, [clean, plate])?;
@@ -167,6 +166,24 @@ impl<'a> Stage<'a> {
         let job = PlateJob { layers, settings: &settings, fill: clean.as_ref().or(drawn.as_ref()) };
         let (warped, report) = self.warper.warp(plate, &job)?;
         Ok((warped, report, found.source))
+    }
+
+    /// Returns the plate warped by an STMap.
+    fn remapped(
+        &self,
+        frame: i32,
+        [plate, map]: [&Plate; 2],
+        settings: &WarpSettings,
+    ) -> Result<(Plate, PlateReport, String), PipelineError> {
+        let named = |source| PipelineError::StMap { path: self.map_path(frame), source };
+        let map = map_of_stmap(map).map_err(named)?;
+        let (warped, mut report) = self.warper.remap(plate, &map, settings).map_err(named)?;
+        let doubt = map.doubt().map(|why| {
+            let name = self.map_path(frame).file_name().unwrap_or_default().to_string_lossy().into_owned();
+            format!("\"{name}\" is probably not an STMap, since {why}; check --stmap")
+        });
+        report.warnings.extend(doubt);
+        Ok((warped, report, String::new()))
     }
 
     /// Refuses a clean plate of another size than its plate, which the headers of the first and last frame do not show.
