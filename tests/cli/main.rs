@@ -17,6 +17,7 @@ mod guard;
 mod hints;
 mod info;
 mod lattices;
+mod layer_lists;
 mod maps;
 mod names;
 mod options;

@@ -80,7 +80,7 @@ impl Maps {
         let (inputs, size) = (source.inputs(args)?, map_size(args, &source)?);
         let (lattices, prepared) = source.lattices(args)?;
         let scope = match &prepared {
-            _ if args.layer.is_some() => Scope::Layer,
+            _ if args.layer.len() == 1 => Scope::Layer,
             Some(prepared) if moves_surfaces(&lattices, prepared) => Scope::Surfaces,
             _ => Scope::Picture,
         };
@@ -291,16 +291,8 @@ fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {
     }
 }
 
-/// Removes layers that were not selected or are not in screen space.
+/// Removes layers that are not in screen space.
 fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::Result<()> {
-    let names: Vec<String> = lattices.layers.iter().map(|layer| layer.name.clone()).collect();
-    if let Some(wanted) = &args.layer {
-        lattices.layers.retain(|layer| layer.name == *wanted);
-        if lattices.layers.is_empty() {
-            let hint = crate::spelling::hint(wanted, names.iter().map(String::as_str));
-            bail!("{} has no warped layer '{wanted}'; {hint}", args.shot.display());
-        }
-    }
     for layer in lattices.layers.iter().filter(|layer| screen(layer).is_none()) {
         let why =
             "is warped in the scene, which no screen-space map can represent; render it, or export gltf or blender";

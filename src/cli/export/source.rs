@@ -2,12 +2,13 @@
 //!
 //! In: the arguments. Out: a prepared shot or the lattices of a file; frame numbers; a writable path.
 
-use crate::cli::args::ExportArgs;
+use crate::cli::args::{ExportArgs, ExportFormat};
 use crate::cli::outputs;
 use crate::export::LatticeFile;
 use crate::image::{Existing, FileKind, Inputs};
 use crate::pipeline::{PreparedShot, input_files, lattices};
 use crate::shot::LayerSpace;
+use crate::spelling;
 use anyhow::{anyhow, bail};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -24,9 +25,16 @@ impl Source {
     /// Opens a shot, or a lattice file (`.json`).
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
         if FileKind::of(&args.shot) == Some(FileKind::Json) {
-            return Ok(Self::Lattices(LatticeFile::read(&args.shot)?));
+            let file = LatticeFile::read(&args.shot)?;
+            check_layers(args, file.layers.iter().map(|layer| &*layer.name))?;
+            return Ok(Self::Lattices(file));
         }
-        let prepared = PreparedShot::new(args.outside.read(&args.shot)?)?;
+        let mut shot = args.outside.read(&args.shot)?;
+        check_layers(args, shot.layers.iter().filter(|layer| layer.is_moved()).map(|layer| &*layer.name))?;
+        if args.layer.len() > 1 && matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke) {
+            shot = shot.with_only_layers(&args.layer);
+        }
+        let prepared = PreparedShot::new(shot)?;
         for note in &prepared.notes {
             writeln!(io::stderr(), "note: {note}")?;
         }
@@ -51,8 +59,19 @@ impl Source {
         Ok(inputs)
     }
 
-    /// Returns the lattices of the selected frames, and the shot that they were solved for.
+    /// Returns the lattices of the selected frames and layers, and the shot that they were solved for.
     pub(super) fn lattices(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
+        let (mut file, prepared) = self.lattices_of_all_layers(args)?;
+        if !args.layer.is_empty() {
+            file.layers.retain(|layer| args.layer.contains(&layer.name));
+        }
+        if file.layers.is_empty() {
+            bail!("no layer of {} that was asked for (--layer) is warped in these frames", args.shot.display());
+        }
+        Ok((file, prepared))
+    }
+
+    fn lattices_of_all_layers(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
         match self {
             Self::Shot(prepared) => {
                 let file =
@@ -69,6 +88,12 @@ impl Source {
             }
         }
     }
+}
+
+/// Refuses names of layers that are not warped, before anything is solved.
+fn check_layers<'a>(args: &ExportArgs, warped: impl Iterator<Item = &'a str> + Clone) -> anyhow::Result<()> {
+    let Some(wrong) = args.layer.iter().find(|name| warped.clone().all(|other| other != *name)) else { return Ok(()) };
+    bail!("{} has no warped layer '{wrong}'; {}", args.shot.display(), spelling::hint(wrong, warped))
 }
 
 /// Returns the selected frames, or the shot's range.
