@@ -6,12 +6,13 @@ use crate::cli::args::{ExportArgs, ExportFormat};
 use crate::cli::outputs;
 use crate::export::LatticeFile;
 use crate::image::{Existing, FileKind, Inputs};
-use crate::pipeline::{PreparedShot, input_files, lattices};
+use crate::pipeline::{Keeping, PreparedShot, input_files, lattices, solve_before_frames};
 use crate::shot::LayerSpace;
 use crate::spelling;
 use anyhow::{anyhow, bail};
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 /// The exported object.
 pub(super) enum Source {
@@ -34,7 +35,10 @@ impl Source {
         if args.layer.len() > 1 && matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke) {
             shot = shot.with_only_layers(&args.layer);
         }
-        let prepared = PreparedShot::new(shot)?;
+        // As for a render: trajectories of the shot's own frames are read, and new ones are written beside the export.
+        let outputs: Vec<PathBuf> = args.output.iter().chain([&shot.output.path]).cloned().collect();
+        let outputs = outputs.iter().map(PathBuf::as_path);
+        let prepared = PreparedShot::new(shot)?.keeping_trajectories(outputs, Keeping::Write);
         for note in &prepared.notes {
             writeln!(io::stderr(), "note: {note}")?;
         }
@@ -44,7 +48,10 @@ impl Source {
     /// Opens a shot, for exports that need its scene.
     pub(super) fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<PreparedShot> {
         match Self::open(args)? {
-            Self::Shot(prepared) => Ok(*prepared),
+            Self::Shot(prepared) => {
+                solve_before_frames(&prepared, &AtomicBool::new(false));
+                Ok(*prepared)
+            }
             Self::Lattices(_) => bail!("{} holds lattices only, and {why}; give the shot", args.shot.display()),
         }
     }
@@ -74,6 +81,7 @@ impl Source {
     fn lattices_of_all_layers(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
         match self {
             Self::Shot(prepared) => {
+                solve_before_frames(&prepared, &AtomicBool::new(false));
                 let file =
                     lattices(&prepared, &frames(args, &prepared), |frame| tracing::info!("frame {frame} solved"))?;
                 Ok((file, Some(prepared)))
