@@ -21,8 +21,8 @@ const MOST: f64 = 0.5;
 /// Plausible sources, in frame sizes around the frame.
 const AROUND: f64 = 1.0;
 
-/// A place of a map, in pixels.
-struct Place {
+/// A pixel at which a map is judged, in pixels.
+struct Probe {
     at: DVec2,
     source: DVec2,
     /// Whether the neighbouring sources lie around this one as its neighbours do; `None`: some are unknown.
@@ -46,7 +46,7 @@ impl WarpMap {
             return Some("neighbouring pixels lead to places that are not neighbours");
         }
         let size = DVec2::new(f64::from(self.frame.width), f64::from(self.frame.height));
-        let is_near = |place: &&Place| {
+        let is_near = |place: &&Probe| {
             place.source.cmpge(-size * AROUND).all() && place.source.cmple(size * (1.0 + AROUND)).all()
         };
         let near = places.iter().filter(is_near).count();
@@ -54,7 +54,7 @@ impl WarpMap {
     }
 
     /// Returns the places at which the map is judged.
-    fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<Probe> {
         let side = self.window.width.max(self.window.height);
         let step = (side / PLACES).max(1) as i32;
         let corner = IVec2::new(self.window.x, self.window.y);
@@ -66,7 +66,7 @@ impl WarpMap {
             let known = around.iter().flatten().all(Option::is_some);
             let [x, y] = around.map(|around| around.map(Option::unwrap_or_default));
             let is_smooth = known.then(|| is_smooth(own, [x, y], f64::from(step)));
-            Some(Place { at: pixel.as_dvec2() + 0.5, source: own, is_smooth })
+            Some(Probe { at: pixel.as_dvec2() + 0.5, source: own, is_smooth })
         };
         let [columns, rows] = [self.window.width, self.window.height].map(|side| side as i32 / step);
         (0..rows).flat_map(|row| (0..columns).filter_map(move |column| place(column, row))).collect()
@@ -89,9 +89,9 @@ fn spans_plane(map: DMat2) -> bool {
 }
 
 /// Whether an affine map explains most of the sources.
-fn is_affine(places: &[Place]) -> bool {
+fn is_affine(places: &[Probe]) -> bool {
     let count = places.len() as f64;
-    let mean = |value: &dyn Fn(&Place) -> DVec2| places.iter().map(value).sum::<DVec2>() / count;
+    let mean = |value: &dyn Fn(&Probe) -> DVec2| places.iter().map(value).sum::<DVec2>() / count;
     let [at, source] = [mean(&|place| place.at), mean(&|place| place.source)];
     // Sums of products, as in linear regression: of the pixels with themselves, and with the sources.
     let outer = |a: DVec2, b: DVec2| DMat2::from_cols(a * b.x, a * b.y);

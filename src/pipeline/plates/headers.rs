@@ -2,7 +2,7 @@
 //!
 //! In: a [`WarpJob`], its sequences, frames. Out: notes, or the error that every frame would cause.
 
-use super::read::held_bytes;
+use super::needed_memory::held_bytes;
 use super::{PlateWarp, WarpJob};
 use crate::files::check_regular;
 use crate::image::{Plate, SequencePath, picture_extent, read_any, read_any_head};

@@ -12,6 +12,7 @@ mod default_mattes;
 mod fill;
 mod headers;
 mod job;
+mod needed_memory;
 mod plan;
 mod read;
 mod shared_meshes;
