@@ -2,8 +2,12 @@
 
 #[path = "../support/assets.rs"]
 mod assets;
+#[path = "../support/tiny.rs"]
+mod tiny;
 
 mod agreement;
 mod branches;
+mod fronts;
 mod real;
 mod shared;
+mod stage;

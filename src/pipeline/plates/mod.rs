@@ -10,6 +10,7 @@
 mod at_rest;
 mod default_mattes;
 mod fill;
+mod fronts;
 mod headers;
 mod job;
 mod needed_memory;
