@@ -96,11 +96,16 @@ impl<'a> HoleFilling<'a> {
 
     /// Resamples a channel as the back of a composite; 0 where it has no samples.
     pub(super) fn seen(&self, place: ChannelIndex, composite: &Composite, by: Resampling) -> Vec<f32> {
-        let (window, samples) = (self.table.window(place), &self.table.channel(place).samples);
-        match &composite.background().map {
-            Some(map) => by.seen(map, &Planes { window, planes: vec![samples] }).swap_remove(0),
-            None => window.resized_samples(samples, composite.window, 0.0),
-        }
+        let (samples, window) = self.samples(place);
+        seen(&Planes { window, planes: vec![samples] }, composite, by)
+    }
+}
+
+/// Resamples one plane as the back of a composite; 0 where it has no samples.
+pub(super) fn seen(plane: &Planes, composite: &Composite, by: Resampling) -> Vec<f32> {
+    match &composite.background().map {
+        Some(map) => by.seen(map, plane).swap_remove(0),
+        None => plane.window.resized_samples(plane.planes[0], composite.window, 0.0),
     }
 }
 

@@ -17,6 +17,7 @@ mod coverage;
 mod cryptomatte;
 mod default_matte;
 mod disjoint_over;
+mod edge_split;
 mod extrapolation;
 mod field;
 mod filter;

@@ -7,6 +7,7 @@ mod tiny;
 
 mod agreement;
 mod branches;
+mod clean;
 mod fronts;
 mod real;
 mod shared;
