@@ -12,3 +12,4 @@ mod fronts;
 mod real;
 mod shared;
 mod stage;
+mod triangles;
