@@ -73,12 +73,28 @@ pub(super) enum Drawings<'a> {
     Surfaces(Box<SurfaceMaps<'a>>),
 }
 
+/// What maps are made from.
+struct Opened {
+    lattices: LatticeFile,
+    prepared: MaybePrepared,
+    inputs: Inputs,
+    size: FrameSize,
+}
+
+impl Opened {
+    fn of(args: &ExportArgs) -> anyhow::Result<Self> {
+        let source = Source::open(args)?;
+        // A size that does not fit is refused before anything is solved.
+        let (inputs, size) = (source.inputs(args)?, map_size(args, &source)?);
+        let (lattices, prepared) = source.lattices(args)?;
+        Ok(Self { lattices, prepared, inputs, size })
+    }
+}
+
 impl Maps {
     /// Solves or reads the lattices; also returns the shot, if they come from one.
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, MaybePrepared)> {
-        let source = Source::open(args)?;
-        let (inputs, size) = (source.inputs(args)?, map_size(args, &source)?);
-        let (lattices, prepared) = source.lattices(args)?;
+        let Opened { lattices, prepared, inputs, size } = Opened::of(args)?;
         let scope = match &prepared {
             _ if args.layer.len() == 1 => Scope::Layer,
             Some(prepared) if moves_surfaces(&lattices, prepared) => Scope::Surfaces,
@@ -94,9 +110,7 @@ impl Maps {
 
     /// Same as [`Self::open`], but with one set of maps for each layer on the screen, for elements with mattes.
     pub(super) fn open_layers(args: &ExportArgs) -> anyhow::Result<(Vec<(String, Self)>, MaybePrepared)> {
-        let source = Source::open(args)?;
-        let (inputs, size) = (source.inputs(args)?, map_size(args, &source)?);
-        let (lattices, prepared) = source.lattices(args)?;
+        let Opened { lattices, prepared, inputs, size } = Opened::of(args)?;
         let maps = Self::of(args, (lattices, prepared.as_deref()), (Scope::Layer, inputs, size))?;
         if let Some(prepared) = prepared.as_deref() {
             let layers = maps.lattices.layers.iter().filter_map(|layer| prepared.shot.layer_index(&layer.name));

@@ -107,7 +107,6 @@ impl<'a> SharedMeshes<'a> {
         };
         let pictures = maps.pictures(self.prepared.mid_exposure_time(f64::from(frame)));
         self.maps = Some(maps);
-        let [unwarped, warped] = pictures?;
-        Ok(Field::of_surfaces([&unwarped, &warped], size))
+        Ok(Field::of_surfaces(pictures?, size))
     }
 }
