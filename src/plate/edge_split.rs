@@ -33,14 +33,18 @@ pub(super) struct SplitSamples {
 }
 
 impl<'a> EdgeSplit<'a> {
-    /// Creates the split; `None` without a clean plate or mattes. `alpha`: the channel, and its samples over the source.
+    /// Creates the split; `None` without mattes or a background of the same renderer. `alpha`: the channel, and its samples over the source.
     pub(super) fn of(
         compositor: &PlateCompositor,
         composite: &Composite<'a>,
         alpha: Option<(ChannelIndex, &[f32])>,
     ) -> Option<Self> {
         let all = matte_sum(composite)?;
-        compositor.filling.as_ref()?;
+        let behind = compositor.filling.as_ref()?.plate();
+        // What this program draws has other light than the plates of other programs.
+        if behind.is_own_render() && !compositor.table.plate.is_own_render() {
+            return None;
+        }
         let covered: Vec<Option<f32>> = all
             .par_iter()
             .enumerate()
