@@ -58,6 +58,8 @@ pub use run::render::{render, render_on};
 pub(crate) use run::resume::{Todo, refuse_existing};
 #[cfg(feature = "cli")]
 pub(crate) use run::sequence_report::{LayerPeaks, Peak, SequenceReport};
+#[cfg(feature = "cli")]
+pub(crate) use trajectories::solve_ahead::solve_before_frames;
 pub use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
 pub use trajectories::trajectory_files::Keeping;
 pub use viewer::brush_point::{BrushPoint, PaintedPlace};

@@ -337,9 +337,10 @@ pub(super) struct ExportArgs {
     pub(super) frames: Option<FrameList>,
     #[command(flatten)]
     pub(super) existing: ExistingArgs,
-    /// Export the maps of this layer only, for a matted element; default: maps of the whole picture (after-effects: of every layer).
-    #[arg(long, value_name = "NAME")]
-    pub(super) layer: Option<String>,
+    /// Layers to export, separated by commas; default: all. The maps of one layer are for a matted element; those of several
+    /// layers are for the whole picture, in which the other layers rest.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(super) layer: Vec<String>,
     /// Write inverse maps, which undo the warp.
     #[arg(long)]
     pub(super) inverse: bool,

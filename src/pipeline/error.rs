@@ -76,6 +76,14 @@ pub enum PipelineError {
         /// The cause.
         source: PlateError,
     },
+    /// A clean plate cannot fill the holes of its plate.
+    #[error("{path}: {source}")]
+    CleanPlate {
+        /// The clean plate.
+        path: PathBuf,
+        /// The cause.
+        source: PlateError,
+    },
     /// The request cannot be fulfilled.
     #[error("{what}; {hint}")]
     Unusable {

@@ -6,7 +6,8 @@ use super::channel_table::{ChannelEntry, ChannelIndex};
 use super::composite::{Composite, MIN_VISIBLE};
 use super::compositor::{AlphaGroup, OutputPlanes, PlateCompositor};
 use super::cryptomatte::{CryptomatteRanks, gathered_ranks};
-use super::disjoint_over::{colors, occlusion};
+use super::disjoint_over::{Occlusion, colors, occlusion};
+use super::edge_split::{EdgeSplit, SplitSamples};
 use super::hole_filling::add_behind;
 use super::moving_layer::MovingLayer;
 use super::pixel_field::PixelField;
@@ -21,7 +22,6 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Composes the plate and completes the report.
 pub(super) fn compose(compositor: &PlateCompositor, composites: &[Composite], report: &mut PlateReport) -> Plate {
     compositor.table.report(report);
-    report.warnings.extend(compositor.filling.iter().filter_map(|filling| filling.refusal.clone()));
     report.warnings.extend(composites.iter().find_map(|composite| composite.overlap.clone()));
     let mut planes = OutputPlanes::new();
     for composite in composites {
@@ -54,9 +54,11 @@ fn compose_channels(
         let has_copied = entries.iter().any(is_copied);
         let visible = if has_copied { visible_samples(composite, alpha.as_deref()) } else { Vec::new() };
         let occlusion = occlusion(composite, alpha.as_deref(), compositor.by(compositor.settings.filter));
+        let known_alpha = index.zip(alpha.as_deref());
+        let split = EdgeSplit::of(compositor, composite, known_alpha);
         let group = AlphaGroup { entries, occlusion, visible };
         report_holes(compositor, &group, report);
-        compose_colors(compositor, (composite, &group), planes, report);
+        compose_colors(compositor, (composite, &group, split), planes, report);
         let data = group.of(&[Semantic::Depth, Semantic::Id, Semantic::Data, Semantic::Normal]);
         compositor.copy(&data, (composite, &group), planes);
         compose_cryptomattes(compositor, (composite, &group), planes);
@@ -95,7 +97,7 @@ fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut P
     if report.uncovered_pixels == 0 {
         report.uncovered_pixels = holes;
     }
-    let filling = compositor.filling.as_ref().filter(|filling| holes > 0 && filling.refusal.is_none());
+    let filling = compositor.filling.as_ref().filter(|_| holes > 0);
     let Some(filling) = filling else { return };
     let missing = group.entries.iter().filter(|entry| filling.find(entry).is_none());
     let names: Vec<&str> = missing.map(|entry| entry.name.full.as_str()).collect();
@@ -110,36 +112,79 @@ fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut P
 
 fn compose_colors(
     compositor: &PlateCompositor,
-    (composite, group): (&Composite, &AlphaGroup),
+    (composite, group, split): (&Composite, &AlphaGroup, Option<EdgeSplit>),
     planes: &mut OutputPlanes,
     report: &mut PlateReport,
 ) {
     let filter = compositor.settings.filter;
     let entries = group.of(&[Semantic::Color, Semantic::Alpha]);
-    let samples = |entry: &&ChannelEntry| Cow::Borrowed(&compositor.table.channel(entry.index).samples[..]);
-    let sources: Vec<Cow<[f32]>> = entries.iter().map(samples).collect();
     if composite.layers.iter().any(|layer| layer.map.is_some()) {
-        let bad = Planes { window: composite.source, planes: sources.iter().map(|plane| &plane[..]).collect() };
+        let samples = |entry: &&ChannelEntry| &compositor.table.channel(entry.index).samples[..];
+        let bad = Planes { window: composite.source, planes: entries.iter().map(samples).collect() };
         let bad = bad.not_finite();
         report.contained_samples += bad.nan + bad.infinite;
     }
-    let mut colors = colors(composite, &sources, &group.occlusion, compositor.by(filter));
-    let alpha = entries.iter().position(|entry| entry.class.semantic == Semantic::Alpha);
-    if let Some(alpha) = alpha.filter(|_| filter == Filter::Ewa && group.occlusion.has_parts()) {
-        bound_alpha(&mut colors, alpha, &sources[alpha]);
+    let mut whole = Vec::new();
+    let mut parted = Vec::new();
+    for entry in entries {
+        let samples = split.as_ref().and_then(|split| split.samples(compositor, entry));
+        match samples {
+            Some(SplitSamples { plate, behind }) => {
+                let behind = compositor.fill_by(entry, (composite, &behind), filter);
+                parted.push(ColorPlane { entry, samples: Cow::Owned(plate), behind });
+            }
+            None => {
+                let samples = Cow::Borrowed(&compositor.table.channel(entry.index).samples[..]);
+                whole.push(ColorPlane { entry, samples, behind: compositor.fill(entry, composite, filter) });
+            }
+        }
     }
-    for (entry, mut color) in entries.into_iter().zip(colors) {
-        if let Some((holes, filling)) = group.occlusion.holes.as_ref().zip(compositor.fill(entry, composite, filter)) {
-            add_behind(&mut color, holes, &filling);
+    compose_planes(compositor, (composite, &group.occlusion), whole, planes);
+    if let Some(split) = split {
+        compose_planes(compositor, (&split.shares, &split.occlusion), parted, planes);
+    }
+}
+
+/// A channel of colour or alpha.
+struct ColorPlane<'a> {
+    entry: &'a ChannelEntry,
+    /// #pixels of the source.
+    samples: Cow<'a, [f32]>,
+    /// #pixels of the composite: what fills holes.
+    behind: Option<Vec<f32>>,
+}
+
+/// Composites channels of colour and fills their holes.
+fn compose_planes(
+    compositor: &PlateCompositor,
+    (composite, occlusion): (&Composite, &Occlusion),
+    sources: Vec<ColorPlane>,
+    planes: &mut OutputPlanes,
+) {
+    let filter = compositor.settings.filter;
+    let alpha = sources.iter().position(|source| source.entry.class.semantic == Semantic::Alpha);
+    let is_bounded = filter == Filter::Ewa && occlusion.has_parts();
+    let most = alpha.filter(|_| is_bounded).map(|alpha| {
+        let entry = sources[alpha].entry;
+        (alpha, compositor.table.channel(entry.index).samples.iter().copied().fold(1.0, f32::max))
+    });
+    let (samples, rest): (Vec<_>, Vec<_>) =
+        sources.into_iter().map(|source| (source.samples, (source.entry, source.behind))).unzip();
+    let mut colors = colors(composite, &samples, occlusion, compositor.by(filter));
+    if let Some((alpha, most)) = most {
+        bound_alpha(&mut colors, alpha, most);
+    }
+    for ((entry, behind), mut color) in rest.into_iter().zip(colors) {
+        if let Some((holes, behind)) = occlusion.holes.as_ref().zip(behind) {
+            add_behind(&mut color, holes, &behind);
         }
         planes.insert(entry.index, color);
     }
 }
 
-/// Scales the pixels whose alpha exceeds all alpha of the source: parts of a layer that are pushed together cover soft pixels more than
+/// Scales the pixels whose alpha exceeds `most`, the greatest of the source: parts of a layer that are pushed together cover soft pixels more than
 /// once.
-fn bound_alpha(colors: &mut [Vec<f32>], alpha: usize, source: &[f32]) {
-    let most = source.iter().copied().fold(1.0, f32::max);
+fn bound_alpha(colors: &mut [Vec<f32>], alpha: usize, most: f32) {
     let scale = |alpha: &f32| if *alpha > most { most / alpha } else { 1.0 };
     let scales: Vec<f32> = colors[alpha].par_iter().map(scale).collect();
     for color in colors {

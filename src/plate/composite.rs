@@ -34,6 +34,8 @@ pub(super) struct WarpedLayer {
     pub(super) window: PixelRect,
     /// Source offsets of the pixels in `window`; `None`: identity.
     pub(super) map: Option<Arc<WarpMap>>,
+    /// #pixels of `window`: the fraction that nothing of the scene covers; `None`: all.
+    pub(super) visibility: Option<Arc<Vec<f32>>>,
 }
 
 /// The channels of one view over one data window. Windows are relative to the upper left corner of the display window.
@@ -60,6 +62,12 @@ impl WarpedLayer {
             return Cow::Borrowed(plane);
         }
         Cow::Owned(composite.source.resized_samples(plane, self.reach, 0.0))
+    }
+
+    /// Returns how much of the layer is visible at a pixel.
+    pub(super) fn visibility_at(&self, pixel: [i32; 2]) -> f32 {
+        let known = self.visibility.as_ref().zip(self.window.sample_index(pixel));
+        known.map_or(1.0, |(visibility, index)| visibility[index])
     }
 
     /// Whether the layer has something visible at a sample of the source. `alpha`: #pixels of the source; `None`: opaque.

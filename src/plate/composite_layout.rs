@@ -61,7 +61,7 @@ pub(super) fn assign_coverage(
         let covered = matte.coverage.as_ref().filter(|_| moving_layer > 0);
         let reach = covered.map_or(source, |coverage| bounds(coverage, source).grown(1).intersection(source));
         let group = group_of(moving_layers, moving_layer);
-        WarpedLayer { moving_layer, group, matte, reach, window: source, map: None }
+        WarpedLayer { moving_layer, group, matte, reach, window: source, map: None, visibility: None }
     };
     composite.layers = mattes.into_iter().enumerate().map(layer).collect();
     Ok(())

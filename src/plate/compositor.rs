@@ -6,11 +6,11 @@
 use super::channel_table::{ChannelEntry, ChannelIndex, ChannelTable};
 use super::composite::Composite;
 use super::disjoint_over::Occlusion;
-use super::hole_filling::HoleFilling;
+use super::hole_filling::{HoleFilling, seen};
 use super::moving_layer::MovingLayer;
 use super::resampler::{ResampleContext, Resampling};
 use super::visible_samples::{VisibleSample, copied};
-use super::{Filter, Semantic, WarpSettings};
+use super::{Filter, Planes, Semantic, WarpSettings};
 use crate::image::EMPTY_DEPTH;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -53,6 +53,18 @@ impl PlateCompositor<'_> {
     pub(super) fn fill(&self, entry: &ChannelEntry, composite: &Composite, filter: Filter) -> Option<Vec<f32>> {
         let filling = self.filling.as_ref()?;
         Some(filling.seen(filling.find(entry)?.index, composite, self.by(filter)))
+    }
+
+    /// As [`Self::fill`], with other samples of the clean plate's channel.
+    pub(super) fn fill_by(
+        &self,
+        entry: &ChannelEntry,
+        (composite, samples): (&Composite, &[f32]),
+        filter: Filter,
+    ) -> Option<Vec<f32>> {
+        let filling = self.filling.as_ref()?;
+        let (_, window) = filling.samples(filling.find(entry)?.index);
+        Some(seen(&Planes { window, planes: vec![samples] }, composite, self.by(filter)))
     }
 
     /// Copies the visible samples of several channels together, so that each pixel shows the same source sample in all of them.

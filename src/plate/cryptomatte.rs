@@ -90,7 +90,8 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
                 return;
             }
             for &(index, weight) in &scratch.taps {
-                matte.add(composite, layer, (index, weight * visible), &mut scratch.coverage);
+                let weight = weight * visible * layer.visibility_at(at);
+                matte.add(composite, layer, (index, weight), &mut scratch.coverage);
             }
             visible *= transmittance.get(place).copied().unwrap_or(0.0);
             if visible <= 0.0 {

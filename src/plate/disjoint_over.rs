@@ -9,6 +9,7 @@
 use super::Planes;
 use super::composite::{Composite, WarpedLayer};
 use super::resampler::Resampling;
+use super::visibility::dim;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -151,8 +152,11 @@ fn over_all(Shown { coverage, opacity }: Shown, filled: Option<&mut Vec<f32>>) -
 /// Computes the fraction of every pixel that the background covers before layers are composited over it.
 fn not_held_out(composite: &Composite, holdout: &[f32], by: Resampling) -> Vec<f32> {
     let source = Planes { window: composite.source, planes: vec![holdout] };
-    let held_out = resampled(composite.background(), &source, by).swap_remove(0);
-    held_out.par_iter().map(|held_out| 1.0 - held_out.clamp(0.0, 1.0)).collect()
+    let background = composite.background();
+    let held_out = resampled(background, &source, by).swap_remove(0);
+    let mut left: Vec<f32> = held_out.par_iter().map(|held_out| 1.0 - held_out.clamp(0.0, 1.0)).collect();
+    background.visibility.iter().for_each(|visibility| dim(&mut left, visibility));
+    left
 }
 
 fn shown(composite: &Composite, layer: &WarpedLayer, alpha: Option<&[f32]>, by: Resampling) -> Shown {
@@ -165,6 +169,7 @@ fn shown(composite: &Composite, layer: &WarpedLayer, alpha: Option<&[f32]>, by: 
     let source = Planes { window: layer.reach, planes: planes.iter().map(|plane| &plane[..]).collect() };
     let mut seen = resampled(layer, &source, by);
     seen.iter_mut().for_each(|plane| plane.iter_mut().for_each(|sample| *sample = sample.clamp(0.0, 1.0)));
+    dim_all(layer, &mut seen);
     let opacity = if alpha.is_some() { seen.swap_remove(1) } else { seen[0].clone() };
     Shown { coverage: seen.swap_remove(0), opacity }
 }
@@ -219,7 +224,8 @@ fn lay(
         None => reached.collect(),
     };
     let source = Planes { window: layer.reach, planes: covered.iter().map(|plane| &plane[..]).collect() };
-    let seen = resampled(layer, &source, by);
+    let mut seen = resampled(layer, &source, by);
+    dim_all(layer, &mut seen);
     match result {
         None if layer.window == composite.window => *result = Some(seen),
         None => {
@@ -233,6 +239,13 @@ fn lay(
                 });
             }
         }
+    }
+}
+
+/// Dims what something of the scene covers.
+fn dim_all(layer: &WarpedLayer, planes: &mut [Vec<f32>]) {
+    if let Some(visibility) = &layer.visibility {
+        planes.iter_mut().for_each(|plane| dim(plane, visibility));
     }
 }
 

@@ -117,7 +117,7 @@ impl Field {
     /// Returns the warp of surfaces, from their pictures before and after it. It can be applied, but neither undone
     /// nor concatenated with other fields.
     #[must_use]
-    pub(crate) fn of_surfaces(pictures: [&SurfacePicture; 2], frame: FrameSize) -> Self {
+    pub(crate) fn of_surfaces(pictures: [SurfacePicture; 2], frame: FrameSize) -> Self {
         Self { parts: vec![Part::Surfaces(Arc::new(SurfaceField::of(pictures, frame)))] }
     }
 

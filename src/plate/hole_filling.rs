@@ -2,11 +2,11 @@
 //!
 //! In: the clean plate, a composite, a channel name. Out: samples over the composite's window.
 
-use super::Planes;
 use super::channel_table::{ChannelEntry, ChannelIndex, ChannelTable};
 use super::composite::Composite;
 use super::disjoint_over::BATCH;
 use super::resampler::Resampling;
+use super::{Planes, PlateError};
 use crate::image::cryptomatte::Manifest;
 use crate::image::{Plate, Storage};
 use crate::space::PixelRect;
@@ -20,28 +20,26 @@ const MAX_EXACT_HALF: u32 = 1 << 11;
 /// A plate that fills holes.
 pub(super) struct HoleFilling<'a> {
     table: ChannelTable<'a>,
-    /// Reason why the plate cannot be used at all.
-    pub(super) refusal: Option<String>,
+}
+
+/// Checks from the headers that a clean plate belongs to frames of the same size as a plate.
+///
+/// # Errors
+/// [`PlateError::WrongFill`].
+pub(crate) fn check_fill(fill: &Plate, plate: &Plate) -> Result<(), PlateError> {
+    let [fill, plate] = [fill, plate].map(|picture| [picture.display.width, picture.display.height]);
+    if fill == plate { Ok(()) } else { Err(PlateError::WrongFill { fill, plate }) }
 }
 
 impl<'a> HoleFilling<'a> {
-    pub(super) fn of(fill: &'a Plate, plate: &Plate) -> Self {
-        let sizes = [plate, fill].map(|plate| [plate.display.width, plate.display.height]);
-        let refusal = (sizes[0] != sizes[1]).then(|| {
-            format!(
-                "the fill plate is {:?} pixels, the plate {:?}: holes stay empty; use pictures of the same size",
-                sizes[1], sizes[0]
-            )
-        });
-        Self { table: ChannelTable::of(fill, &[]), refusal }
+    pub(super) fn of(fill: &'a Plate, plate: &Plate) -> Result<Self, PlateError> {
+        check_fill(fill, plate)?;
+        Ok(Self { table: ChannelTable::of(fill, &[]) })
     }
 
     /// Returns the channel of the same name, in the part of that name or else in the same view. Otherwise falls back to
     /// the beauty, depth and Cryptomattes of other programs, whatever their names.
     pub(super) fn find(&self, entry: &ChannelEntry) -> Option<&ChannelEntry> {
-        if self.refusal.is_some() {
-            return None;
-        }
         let same = || self.table.entries.iter().filter(|other| other.name.full == entry.name.full);
         let in_part = same().find(|other| other.name.part == entry.name.part);
         let in_view = || same().find(|other| other.name.view == entry.name.view);
@@ -67,9 +65,6 @@ impl<'a> HoleFilling<'a> {
 
     /// Adds the names in the fill plate's Cryptomatte manifests to those of the plate.
     pub(super) fn add_names(&self, plate: &mut Plate) {
-        if self.refusal.is_some() {
-            return;
-        }
         for part in &mut plate.parts {
             let texts = part.texts("cryptomatte/").into_iter();
             let mattes = texts.filter_map(|(key, name)| Some((key.strip_suffix("name")?.to_owned(), name)));
@@ -101,11 +96,16 @@ impl<'a> HoleFilling<'a> {
 
     /// Resamples a channel as the back of a composite; 0 where it has no samples.
     pub(super) fn seen(&self, place: ChannelIndex, composite: &Composite, by: Resampling) -> Vec<f32> {
-        let (window, samples) = (self.table.window(place), &self.table.channel(place).samples);
-        match &composite.background().map {
-            Some(map) => by.seen(map, &Planes { window, planes: vec![samples] }).swap_remove(0),
-            None => window.resized_samples(samples, composite.window, 0.0),
-        }
+        let (samples, window) = self.samples(place);
+        seen(&Planes { window, planes: vec![samples] }, composite, by)
+    }
+}
+
+/// Resamples one plane as the back of a composite; 0 where it has no samples.
+pub(super) fn seen(plane: &Planes, composite: &Composite, by: Resampling) -> Vec<f32> {
+    match &composite.background().map {
+        Some(map) => by.seen(map, plane).swap_remove(0),
+        None => plane.window.resized_samples(plane.planes[0], composite.window, 0.0),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The inputs of a plate's warp besides the plate itself: plain data that the pipeline provides for every frame.
 
-use super::{Field, Matte, WarpSettings};
+use super::{Field, Front, Matte, WarpSettings};
 use crate::image::Plate;
+use std::sync::Arc;
 
 /// The inputs of a plate's warp besides the plate itself.
 #[derive(Clone, Debug)]
@@ -27,4 +28,6 @@ pub struct LayerJob {
     pub next: Option<Field>,
     /// Matte that selects the part of the plate to move; `None`: the whole picture.
     pub matte: Option<Matte>,
+    /// What stands in front of the layer; `None`: nothing but the layers after it. Counts for layers with a matte.
+    pub front: Option<Arc<Front>>,
 }

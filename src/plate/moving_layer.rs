@@ -3,7 +3,7 @@
 //! In: a [`PlateJob`]. Out: one [`MovingLayer`] each, with its fields at three frames, and fold warnings.
 
 use super::pixel_field::Direction;
-use super::{Field, LayerJob, Matte, PlateJob};
+use super::{Field, Front, LayerJob, Matte, PlateJob};
 use crate::space::{FrameSize, PixelRect};
 use crate::spelling::pluralised;
 
@@ -14,6 +14,8 @@ pub(super) struct MovingLayer<'a> {
     pub(super) name: &'a str,
     /// Matte of what it moves; `None`: everything outside of the other mattes.
     pub(super) matte: Option<&'a Matte>,
+    /// What stands in front of it.
+    pub(super) front: Option<&'a Front>,
     /// Name and field of each layer that bends it.
     pub(super) bent_by: Vec<(&'a str, &'a Field)>,
     /// Forward to apply its fields; backward to undo a warp.
@@ -41,6 +43,7 @@ impl<'a> MovingLayer<'a> {
             bent_by: layer.into_iter().chain(whole.iter().copied()).map(|layer| (&*layer.name, &layer.field)).collect(),
             name: layer.map_or("", |layer| layer.name.as_str()),
             matte: layer.and_then(|layer| layer.matte.as_ref()),
+            front: layer.and_then(|layer| layer.front.as_deref()),
             direction: Direction::Forward,
             now: chain(layer.map(now).as_ref(), &now),
             previous: chain(layer.map(previous).as_ref(), &previous),

@@ -82,6 +82,18 @@ pub enum PlateError {
         /// Width and height of the plate's display window.
         plate: [u32; 2],
     },
+    /// The clean plate belongs to a frame of another size.
+    #[error(
+        "the clean plate shows {} x {} pixels, the plate {} x {}; render or scale the clean plate to the size of the plate \
+         (their display windows count)",
+        fill[0], fill[1], plate[0], plate[1]
+    )]
+    WrongFill {
+        /// Width and height of the clean plate's display window.
+        fill: [u32; 2],
+        /// Width and height of the plate's display window.
+        plate: [u32; 2],
+    },
     /// A picture used as an STMap has no pair of channels for it.
     #[error("the picture is not an STMap: its channels are {found}; write u and v as R and G, 32-bit float")]
     NoStMap {
@@ -94,6 +106,12 @@ pub enum PlateError {
         /// Name of the channel.
         channel: String,
     },
+    /// A picture used as an STMap is a render.
+    #[error(
+        "the picture is a render of pinwarp and not an STMap, since neighbouring pixels lead to places that are not neighbours; \
+         export maps with `pinwarp export --to stmap`"
+    )]
+    RenderAsStMap,
     /// The values of an STMap are not fractions of the frame.
     #[error(
         "channel \"{channel}\" of the STMap holds {found}, which is not a fraction of the frame; divide pixels by the display \

@@ -46,7 +46,8 @@ pub fn stmap_of(map: &WarpMap) -> Frame {
 ///
 /// # Errors
 /// [`PlateError::NoStMap`] if there are no such channels; [`PlateError::StMapOfIntegers`] if they are integers;
-/// [`PlateError::StMapInPixels`] if the values are not fractions of the frame.
+/// [`PlateError::StMapInPixels`] if the values are not fractions of the frame; [`PlateError::RenderAsStMap`] if the picture
+/// is a render of pinwarp.
 pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
     let Found { part, layer, uv } = found_in(stmap)?;
     let alpha = part.channel(&format!("{layer}A")).map(|alpha| alpha.samples.as_slice());
@@ -63,8 +64,17 @@ pub fn map_of_stmap(stmap: &Plate) -> Result<WarpMap, PlateError> {
     };
     match (0..map.offsets.len()).find(is_pixels) {
         Some(index) => Err(in_pixels(uv[0], place(index), [frame.width, frame.height])),
+        // The maps of this program have B = 0, and those of others may hold anything there.
+        None if stmap.is_own_render() && has_blue(part, layer) && map.doubt().is_some() => {
+            Err(PlateError::RenderAsStMap)
+        }
         None => Ok(map),
     }
+}
+
+/// Whether the third channel of a layer holds anything.
+fn has_blue(part: &PlatePart, layer: &str) -> bool {
+    part.channel(&format!("{layer}B")).is_some_and(|blue| blue.samples.iter().any(|sample| *sample != 0.0))
 }
 
 /// Returns the offset from a pixel centre to the position (u, v), in pixels, y down; NaN if the position is not finite.

@@ -6,25 +6,42 @@
 use super::{SurfacePicture, WarpMap};
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
 use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// A warp, sampled at the pixels of a frame.
 #[derive(Debug, PartialEq)]
 pub(super) struct SurfaceField {
-    /// The source of every pixel of the warped picture; NaN where no surface is visible.
-    backward: WarpMap,
+    /// The picture before the warp, and after it.
+    pictures: [SurfacePicture; 2],
     /// The target of every pixel of the unwarped picture; NaN where there is no surface.
     forward: WarpMap,
+    /// The source of every pixel of the warped picture, NaN where no surface is visible; computed on first use, since
+    /// the fields of neighbouring frames are only followed forward.
+    backward: OnceLock<WarpMap>,
+    /// The largest displacement, in frame heights.
+    max_displacement: f64,
 }
 
 impl SurfaceField {
     /// Creates the field from the pictures before and after the warp.
-    pub(super) fn of([unwarped, warped]: [&SurfacePicture; 2], frame: FrameSize) -> Self {
-        Self { backward: WarpMap::between(warped, unwarped, frame), forward: unwarped.displacements(frame) }
+    pub(super) fn of(pictures: [SurfacePicture; 2], frame: FrameSize) -> Self {
+        let forward = pictures[0].displacements(frame);
+        let lengths =
+            forward.offsets.par_iter().map(|[x, y]| f64::from(x.hypot(*y))).filter(|length| length.is_finite());
+        let longest = lengths.reduce(|| 0.0, f64::max);
+        let max_displacement = longest * frame.pixel_aspect.max(1.0) / f64::from(frame.height);
+        Self { pictures, forward, backward: OnceLock::new(), max_displacement }
+    }
+
+    fn backward(&self) -> &WarpMap {
+        let [unwarped, warped] = &self.pictures;
+        self.backward.get_or_init(|| WarpMap::between(warped, unwarped, self.forward.frame))
     }
 
     /// Returns the source of every pixel of a window.
     pub(super) fn backward_over(&self, window: PixelRect) -> WarpMap {
-        self.backward.cropped(window)
+        self.backward().cropped(window)
     }
 
     /// Returns the target of every pixel of a window.
@@ -49,18 +66,17 @@ impl SurfaceField {
     }
 
     /// Returns the largest displacement, in frame heights.
-    pub(super) fn max_displacement(&self) -> f64 {
-        let WarpMap { frame, offsets, .. } = &self.forward;
-        let longest = offsets.iter().map(|[x, y]| f64::from(x.hypot(*y))).filter(|length| length.is_finite());
-        longest.fold(0.0, f64::max) * frame.pixel_aspect.max(1.0) / f64::from(frame.height)
+    pub(super) const fn max_displacement(&self) -> f64 {
+        self.max_displacement
     }
 
     /// Returns the bounds of the pixels that show some of a window.
     pub(super) fn warped_window(&self, source: PixelRect) -> PixelRect {
-        let WarpMap { window, .. } = &self.backward;
+        let backward = self.backward();
+        let window = backward.window;
         let shows = |&index: &usize| {
             let [x, y] = window.pixel_at(index);
-            self.backward
+            backward
                 .source(x, y)
                 .is_some_and(|[x, y]| source.sample_index([x, y].map(|at| at.floor() as i32)).is_some())
         };
@@ -69,5 +85,28 @@ impl SurfaceField {
             PixelRect { x, y, width: 1, height: 1 }
         });
         shown.reduce(PixelRect::union).unwrap_or(PixelRect { width: 0, height: 0, ..source })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_that_is_only_followed_forward_computes_no_sources() {
+        let frame = FrameSize::new(8, 4);
+        let moved = |by: f32| SurfacePicture {
+            window: frame.window(),
+            objects: vec![1.0; 32],
+            depths: vec![2.0; 32],
+            offsets: vec![[by, 0.0]; 32],
+        };
+        let field = SurfaceField::of([moved(2.0), moved(-2.0)], frame);
+        assert_eq!(field.max_displacement(), 0.5);
+        assert_eq!(field.forward_over(frame.window()).offsets[9], [2.0, 0.0]);
+        assert!((field.displace(DVec2::new(1.0, 0.5)).0 - DVec2::new(0.5, 0.0)).length() < 1e-9);
+        assert!(field.backward.get().is_none());
+        assert_eq!(field.backward_over(frame.window()).source(5, 2), Some([3.5, 2.5]));
+        assert!(field.backward.get().is_some());
     }
 }

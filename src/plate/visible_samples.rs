@@ -117,7 +117,7 @@ fn visible_at(composite: &Composite, at: [i32; 2], alpha: Option<&[f32]>) -> Vis
     match best {
         _ if let Some(background) = background => background,
         Some(best) if sum >= HALF => best.sample,
-        _ if composite.is_held_out_at(at) => VisibleSample::Hole,
+        _ if composite.is_held_out_at(at) || composite.background().visibility_at(at) < HALF => VisibleSample::Hole,
         _ => VisibleSample::Nothing,
     }
 }
@@ -129,7 +129,7 @@ fn candidate(
     alpha: Option<&[f32]>,
 ) -> Option<Candidate> {
     let source = composite.source_of(layer, at)?;
-    let coverage = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[source]);
+    let coverage = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[source]) * layer.visibility_at(at);
     let opacity = coverage * alpha.map_or(1.0, |alpha| alpha[source]);
     (coverage > 0.0).then_some(Candidate {
         sample: VisibleSample::Sample { layer: index as u16, index: source as u32 },

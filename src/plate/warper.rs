@@ -14,6 +14,7 @@ use super::matte::check_matte;
 use super::moving_layer::MovingLayer;
 use super::pixel_field::Direction;
 use super::resampler::{ResampleContext, Resampler};
+use super::visibility::assign_visibility;
 use super::{ChannelReport, Matte, PlateError, PlateJob, PlateReport, Semantic, WarpMap, WarpSettings};
 use crate::image::Plate;
 use crate::space::PixelRect;
@@ -100,7 +101,8 @@ impl Warper {
         }
         assign_windows(&mut composites, plate.frame_size(), &moving_layers);
         assign_maps(&mut composites, plate.frame_size(), &moving_layers);
-        let filling = job.fill.map(|fill| HoleFilling::of(fill, plate));
+        assign_visibility(&mut composites, &moving_layers);
+        let filling = job.fill.map(|fill| HoleFilling::of(fill, plate)).transpose()?;
         let compositor = PlateCompositor {
             table: &table,
             settings: job.settings,

@@ -112,7 +112,7 @@ impl Task {
         let field = self.field(plate, watch)?;
         watch.tell(1, 2);
         let matte = (self.moved == Moved::Masked).then_some(Matte::Alpha);
-        let layer = LayerJob { name: "pins".to_owned(), field, previous: None, next: None, matte };
+        let layer = LayerJob { name: "pins".to_owned(), field, previous: None, next: None, matte, front: None };
         let job = PlateJob { layers: vec![layer], settings: &self.settings, fill: None };
         let (warped, _) = warp_plate(plate, &job)?;
         watch.tell(2, 2);

@@ -50,6 +50,31 @@ fn a_bake_is_found_by_renders_and_changes_no_byte() {
 }
 
 #[test]
+fn exports_and_warps_read_what_a_render_has_solved() {
+    let bench = Bench::with_shot(&timed());
+    bench.run("-v render shot.toml --device cpu").says(0, &["1 solved, 0 read"]);
+    let solved: Vec<_> = trajectories(&bench).iter().map(|file| std::fs::read(file).expect("it is there")).collect();
+    let targets = [
+        "stmap -o m/m.####.exr",
+        "nuke -o n/s.nk",
+        "after-effects -o a/s",
+        "lattice-json -o l.json",
+        "gltf -o g/s.glb",
+    ];
+    for target in targets.into_iter().chain(["blender -o b/s.py"]) {
+        bench.run(&format!("-v export shot.toml --to {target}")).says(0, &["0 solved, 1 read"]);
+    }
+    bench.run("-v warp out/f.####.exr --shot shot.toml -o w/w.####.exr").says(0, &["0 solved, 1 read"]);
+    // An export that comes first keeps what it solves, for renders too: the same bytes under the same name.
+    let other = Bench::with_shot(&timed());
+    other.run("-v export shot.toml --to stmap").says(0, &["1 solved, 0 read"]);
+    let kept: Vec<_> = trajectories(&other).iter().map(|file| std::fs::read(file).expect("it is there")).collect();
+    assert_eq!((kept.len(), &kept), (1, &solved));
+    other.run("-v render shot.toml --device cpu").says(0, &["0 solved, 1 read"]);
+    assert_eq!(pictures(&other), pictures(&bench));
+}
+
+#[test]
 fn a_damaged_file_is_noticed_and_made_again() {
     let bench = Bench::with_shot(&timed());
     bench.run("bake shot.toml").says(0, &[]);

@@ -3,7 +3,8 @@
 use crate::support::Bench;
 use crate::tiny::{Tiny, grid};
 use pinwarp::image::cryptomatte::{Manifest, MatteId};
-use pinwarp::image::{Plate, read_plate};
+use pinwarp::image::{Channel, Frame, Plate, Storage, read_plate, write_plate};
+use pinwarp::space::PixelRect;
 
 /// A shot of 64 x 36 pixels: a wall, and before it a thing; both are layers of their own. The plate is drawn without the keys.
 fn shot(keys: &str, output: &str) -> String {
@@ -98,4 +99,39 @@ fn names_of_what_fills_come_into_the_manifest() {
     let warped = read_plate(&bench.path("out/w.0001.exr")).expect("a plate");
     let manifest = Manifest::from_json(&warped.parts[0].text(&key).expect("a manifest"));
     assert_eq!(manifest, Manifest::of_names(["Thing", "Wall"]));
+}
+
+#[test]
+fn a_clean_plate_of_another_size_is_refused() {
+    let bench = bench();
+    let of_size = |name: &str, [width, height]: [u32; 2]| {
+        let window = PixelRect { x: 0, y: 0, width, height };
+        let channel =
+            |name: &str| Channel { name: name.into(), storage: Storage::Half, samples: vec![0.5; window.area()] };
+        let channels = ["R", "G", "B", "A"].map(channel).into();
+        let frame = Frame { display: window, data_window: window, pixel_aspect: 1.0, channels };
+        write_plate(&bench.path(name), &Plate::from_frame(frame)).expect("written");
+    };
+    of_size("small.exr", [32, 18]);
+    of_size("tall.exr", [64, 40]);
+    let says = |size: &str| format!("the clean plate shows {size} pixels, the plate 64 x 36; render or scale");
+    for (name, size) in [("small.exr", "32 x 18"), ("tall.exr", "64 x 40")] {
+        let refused = bench.run(&format!("warp --shot shot.toml --device cpu --clean {name} -o out/w.####.exr"));
+        refused.says(2, &[&format!("error: {name}: {}", says(size))]);
+        assert!(bench.frames().is_empty(), "nothing was begun");
+    }
+    bench.write(
+        "named.toml",
+        shot("", "out/w.####.exr").replace("\"geometry\"", "{ plate = \"small.exr\" }").as_bytes(),
+    );
+    bench.run("warp --shot named.toml --device cpu -o out/w.####.exr").says(2, &[&says("32 x 18")]);
+    // A frame between the first and the last fails alone.
+    for (frame, size) in [(1, [64, 36]), (2, [32, 18]), (3, [64, 36])] {
+        of_size(&format!("c.000{frame}.exr"), size);
+    }
+    let long = shot("", "out/w.####.exr").replace("last = 1", "last = 3").replace("in/b.####.exr", "in/b.0001.exr");
+    bench.write("long.toml", long.as_bytes());
+    let partly = bench.run("warp --shot long.toml --device cpu --clean c.####.exr -o out/w.####.exr");
+    partly.says(1, &["error: frame 2", "c.0002.exr", &says("32 x 18"), "1 FAILED"]);
+    assert_eq!(bench.frames(), ["w.0001.exr", "w.0003.exr"]);
 }

@@ -403,7 +403,9 @@ fn a_frame_that_needs_too_much_memory_fails_alone() {
     // A clean plate counts too, and so does an STMap.
     let small = "warp in/b.0001.exr --shot shot.toml --frames 1 -o c.exr --max-memory 16M --overwrite";
     bench.run(small).says(0, &[]);
-    bench.run(&format!("{small} --clean in/b.0002.exr")).says(1, &["error: frame 1", "needs about"]);
+    let overscan = Frame { display: FrameSize::new(64, 36).window(), ..frame(large) };
+    write_plate(&bench.path("in/c.exr"), &Plate::from_frame(overscan)).expect("written");
+    bench.run(&format!("{small} --clean in/c.exr")).says(1, &["error: frame 1", "needs about"]);
     bench.run("warp in/b.0001.exr --stmap in/b.0002.exr -o s.exr --max-memory 16M").says(2, &[]);
     bench.run("warp --shot shot.toml --max-memory much").says(2, &["8G, 512M, 50%"]);
     // With room for all it goes through.

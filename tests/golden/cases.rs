@@ -87,7 +87,7 @@ fn pulled(aspect: f64) -> ScreenLattice {
 fn warped(filter: Filter) -> Frame {
     let plate = small_flag();
     let field = Field::of_picture(pulled(plate.frame_size().aspect()));
-    let layers = vec![LayerJob { name: "all".into(), field, previous: None, next: None, matte: None }];
+    let layers = vec![LayerJob { name: "all".into(), field, previous: None, next: None, matte: None, front: None }];
     let settings = WarpSettings { filter, ..WarpSettings::default() };
     let job = PlateJob { layers, settings: &settings, fill: None };
     warp_plate(&plate, &job).expect("nothing to refuse").0.into_frame()

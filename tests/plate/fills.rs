@@ -90,3 +90,44 @@ fn vectors_of_unknown_make_are_filled_by_their_like_only() {
     let clean = filled(&room(vectors(5.0)), &room(vectors(3.0)), None).0;
     assert_eq!(samples(&clean, "forward.u")[HOLE], 3.0, "a clean plate stores them as the plate does");
 }
+
+#[test]
+fn edges_that_show_the_background_too_are_split_by_the_clean_plate() {
+    const BEHIND: [f32; 2] = [0.2, 0.6];
+    const THING: [f32; 2] = [0.9, 0.1];
+    // Columns 5 and 12 show a quarter and three quarters of the thing.
+    let coverage = |x: u32| match x {
+        5 => 0.25,
+        6..12 => 1.0,
+        12 => 0.75,
+        _ => 0.0_f32,
+    };
+    let mixed = |index: usize, left: u32| {
+        move |x: u32, _: u32| {
+            let covered = if x < left { 0.0 } else { coverage(x - left) };
+            covered * THING[index] + (1.0 - covered) * BEHIND[index]
+        }
+    };
+    let colors = |left: u32| {
+        let color = |(index, name)| channel(name, Storage::Float, FRAME, mixed(index, left));
+        ["R", "G"].into_iter().enumerate().map(color).collect::<Vec<_>>()
+    };
+    let mut channels = colors(0);
+    channels.push(channel("mask.A", Storage::Float, FRAME, move |x, _| coverage(x)));
+    let whole = plate(FRAME, FRAME, channels);
+    let clean = plate(
+        FRAME,
+        FRAME,
+        ["R", "G"].into_iter().zip(BEHIND).map(|(name, value)| even(name, Storage::Float, value)).collect(),
+    );
+    for by in [0, 3, 9] {
+        let thing = layer("thing", shift(by, 0, 16), Some(Matte::Channel("mask.A".into())));
+        let (moved, _) = filled_by(&whole, &clean, (vec![thing], None));
+        let wanted = plate(FRAME, FRAME, colors(by as u32));
+        for name in ["R", "G"] {
+            let [found, wanted] = [&moved, &wanted].map(|plate| samples(plate, name));
+            let worst = found.iter().zip(wanted.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(worst < 1e-4, "{name}, moved by {by}: {worst}");
+        }
+    }
+}

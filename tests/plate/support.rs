@@ -33,7 +33,7 @@ pub(crate) fn shift(dx: i32, dy: i32, height: u32) -> Field {
 
 /// A layer whose neighbour frames have the same field.
 pub(crate) fn layer(name: &str, field: Field, matte: Option<Matte>) -> LayerJob {
-    LayerJob { name: name.into(), field, previous: None, next: None, matte }
+    LayerJob { name: name.into(), field, previous: None, next: None, matte, front: None }
 }
 
 /// The plate warped by these layers.

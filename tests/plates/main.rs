@@ -2,8 +2,14 @@
 
 #[path = "../support/assets.rs"]
 mod assets;
+#[path = "../support/tiny.rs"]
+mod tiny;
 
 mod agreement;
 mod branches;
+mod clean;
+mod fronts;
 mod real;
 mod shared;
+mod stage;
+mod triangles;

@@ -134,7 +134,7 @@ impl<'a> Element<'a> {
         let mut elements = Vec::new();
         for layer in moved_layers(prepared).into_iter().filter(|&layer| is_on_screen(prepared, layer)) {
             let name = &prepared.shot.layers[layer].name;
-            if args.layer.as_ref().is_some_and(|wanted| wanted != name) {
+            if !args.layer.is_empty() && !args.layer.contains(name) {
                 continue;
             }
             let pattern = with_ending(&named(stem, name), ".element.####.exr");

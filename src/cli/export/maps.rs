@@ -2,6 +2,7 @@
 //!
 //! In: lattices and command-line flags. Out: the map of each frame; files, written if they are missing or out of date.
 
+use super::map_size::map_size;
 use super::source::Source;
 use crate::cli::args::ExportArgs;
 use crate::export::{LatticeFile, LatticeTrack, Track};
@@ -19,9 +20,6 @@ use anyhow::{anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::path::Path;
-
-/// Height in pixels of the maps of a lattice file, which has no resolution.
-const DEFAULT_HEIGHT: f64 = 1080.0;
 
 /// The device recorded in the maps.
 const DEVICE: &str = "CPU";
@@ -75,18 +73,34 @@ pub(super) enum Drawings<'a> {
     Surfaces(Box<SurfaceMaps<'a>>),
 }
 
+/// What maps are made from.
+struct Opened {
+    lattices: LatticeFile,
+    prepared: MaybePrepared,
+    inputs: Inputs,
+    size: FrameSize,
+}
+
+impl Opened {
+    fn of(args: &ExportArgs) -> anyhow::Result<Self> {
+        let source = Source::open(args)?;
+        // A size that does not fit is refused before anything is solved.
+        let (inputs, size) = (source.inputs(args)?, map_size(args, &source)?);
+        let (lattices, prepared) = source.lattices(args)?;
+        Ok(Self { lattices, prepared, inputs, size })
+    }
+}
+
 impl Maps {
     /// Solves or reads the lattices; also returns the shot, if they come from one.
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, MaybePrepared)> {
-        let source = Source::open(args)?;
-        let inputs = source.inputs(args)?;
-        let (lattices, prepared) = source.lattices(args)?;
+        let Opened { lattices, prepared, inputs, size } = Opened::of(args)?;
         let scope = match &prepared {
-            _ if args.layer.is_some() => Scope::Layer,
+            _ if args.layer.len() == 1 => Scope::Layer,
             Some(prepared) if moves_surfaces(&lattices, prepared) => Scope::Surfaces,
             _ => Scope::Picture,
         };
-        let maps = Self::of(args, (lattices, prepared.as_deref()), (scope, inputs))?;
+        let maps = Self::of(args, (lattices, prepared.as_deref()), (scope, inputs, size))?;
         if scope == Scope::Picture && maps.lattices.layers.len() > 1 {
             let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
             writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
@@ -96,10 +110,8 @@ impl Maps {
 
     /// Same as [`Self::open`], but with one set of maps for each layer on the screen, for elements with mattes.
     pub(super) fn open_layers(args: &ExportArgs) -> anyhow::Result<(Vec<(String, Self)>, MaybePrepared)> {
-        let source = Source::open(args)?;
-        let inputs = source.inputs(args)?;
-        let (lattices, prepared) = source.lattices(args)?;
-        let maps = Self::of(args, (lattices, prepared.as_deref()), (Scope::Layer, inputs))?;
+        let Opened { lattices, prepared, inputs, size } = Opened::of(args)?;
+        let maps = Self::of(args, (lattices, prepared.as_deref()), (Scope::Layer, inputs, size))?;
         if let Some(prepared) = prepared.as_deref() {
             let layers = maps.lattices.layers.iter().filter_map(|layer| prepared.shot.layer_index(&layer.name));
             let note = prepared.note_on_shared(&layers.collect::<Vec<_>>());
@@ -111,7 +123,7 @@ impl Maps {
     fn of(
         args: &ExportArgs,
         (mut lattices, prepared): (LatticeFile, Option<&PreparedShot>),
-        (scope, inputs): (Scope, Inputs),
+        (scope, inputs, size): (Scope, Inputs, FrameSize),
     ) -> anyhow::Result<Self> {
         let mut contents = prepared.map(PreparedShot::contents_digest).unwrap_or_default();
         let mut frames = frames_of(&lattices);
@@ -125,16 +137,6 @@ impl Maps {
             keep_screen_layers(&mut lattices, args)?;
             frames = frames_of(&lattices);
         }
-        let size = match (args.size, prepared.map(|prepared| prepared.shot.size)) {
-            (Some([width, height]), _) => {
-                FrameSize { width, height, pixel_aspect: lattices.frame_aspect * f64::from(height) / f64::from(width) }
-            }
-            (None, Some(size)) => size,
-            (None, None) => {
-                FrameSize::new((DEFAULT_HEIGHT * lattices.frame_aspect).round().max(1.0) as u32, DEFAULT_HEIGHT as u32)
-            }
-        };
-        let size = squared(size);
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
         Ok(Self { lattices, frames, size, window, direction, scope, contents, inputs })
@@ -303,16 +305,8 @@ fn screen(layer: &LatticeTrack) -> Option<&BTreeMap<i32, Lattice<2>>> {
     }
 }
 
-/// Removes layers that were not selected or are not in screen space.
+/// Removes layers that are not in screen space.
 fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::Result<()> {
-    let names: Vec<String> = lattices.layers.iter().map(|layer| layer.name.clone()).collect();
-    if let Some(wanted) = &args.layer {
-        lattices.layers.retain(|layer| layer.name == *wanted);
-        if lattices.layers.is_empty() {
-            let hint = crate::spelling::hint(wanted, names.iter().map(String::as_str));
-            bail!("{} has no warped layer '{wanted}'; {hint}", args.shot.display());
-        }
-    }
     for layer in lattices.layers.iter().filter(|layer| screen(layer).is_none()) {
         let why =
             "is warped in the scene, which no screen-space map can represent; render it, or export gltf or blender";
@@ -323,12 +317,6 @@ fn keep_screen_layers(lattices: &mut LatticeFile, args: &ExportArgs) -> anyhow::
         return Err(anyhow!("no layer of {} is warped on the screen: there is no map to write", args.shot.display()));
     }
     Ok(())
-}
-
-/// Makes pixels exactly square if they are square up to rounding.
-fn squared(size: FrameSize) -> FrameSize {
-    let is_square = (size.pixel_aspect - 1.0).abs() * f64::from(size.width) <= 1.0;
-    if is_square { FrameSize::new(size.width, size.height) } else { size }
 }
 
 /// The result of writing a sequence.

@@ -4,8 +4,10 @@
 
 mod after_effects;
 mod blender;
+mod file_name;
 mod gltf;
 mod lattice_json;
+mod map_size;
 mod maps;
 mod nuke;
 mod source;
@@ -19,6 +21,7 @@ use clap::ValueEnum;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     refuse_idle_flags(args)?;
+    file_name::check(args)?;
     match args.to {
         ExportFormat::LatticeJson => lattice_json::run(args),
         ExportFormat::Stmap => stmap::run(args),
@@ -32,15 +35,20 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
 /// Rejects flags that have no effect with the chosen format.
 fn refuse_idle_flags(args: &ExportArgs) -> anyhow::Result<()> {
     let has_maps = matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke | ExportFormat::AfterEffects);
+    let format = args.to.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    if !args.layer.is_empty() && !has_maps && args.to != ExportFormat::LatticeJson {
+        bail!(
+            "--layer is for maps and lattices (--to stmap, nuke, after-effects or lattice-json), but --to {format} writes the \
+             whole scene; leave it out"
+        );
+    }
     let given = [
-        ("--layer", args.layer.is_some()),
         ("--inverse", args.inverse),
         ("--size", args.size.is_some()),
         ("--overscan", args.overscan > 0),
         ("--resume", Existing::from(args.existing).is_resume()),
     ];
     if let Some((flag, _)) = given.into_iter().find(|(_, is_given)| *is_given && !has_maps) {
-        let format = args.to.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         bail!("{flag} is for maps (--to stmap, nuke or after-effects), but --to {format} writes no maps; leave it out");
     }
     if args.inverse && args.to == ExportFormat::AfterEffects {

@@ -2,15 +2,17 @@
 //!
 //! In: the arguments. Out: a prepared shot or the lattices of a file; frame numbers; a writable path.
 
-use crate::cli::args::ExportArgs;
+use crate::cli::args::{ExportArgs, ExportFormat};
 use crate::cli::outputs;
 use crate::export::LatticeFile;
 use crate::image::{Existing, FileKind, Inputs};
-use crate::pipeline::{PreparedShot, input_files, lattices};
+use crate::pipeline::{Keeping, PreparedShot, input_files, lattices, solve_before_frames};
 use crate::shot::LayerSpace;
+use crate::spelling;
 use anyhow::{anyhow, bail};
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 /// The exported object.
 pub(super) enum Source {
@@ -24,9 +26,19 @@ impl Source {
     /// Opens a shot, or a lattice file (`.json`).
     pub(super) fn open(args: &ExportArgs) -> anyhow::Result<Self> {
         if FileKind::of(&args.shot) == Some(FileKind::Json) {
-            return Ok(Self::Lattices(LatticeFile::read(&args.shot)?));
+            let file = LatticeFile::read(&args.shot)?;
+            check_layers(args, file.layers.iter().map(|layer| &*layer.name))?;
+            return Ok(Self::Lattices(file));
         }
-        let prepared = PreparedShot::new(args.outside.read(&args.shot)?)?;
+        let mut shot = args.outside.read(&args.shot)?;
+        check_layers(args, shot.layers.iter().filter(|layer| layer.is_moved()).map(|layer| &*layer.name))?;
+        if args.layer.len() > 1 && matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke) {
+            shot = shot.with_only_layers(&args.layer);
+        }
+        // As for a render: trajectories of the shot's own frames are read, and new ones are written beside the export.
+        let outputs: Vec<PathBuf> = args.output.iter().chain([&shot.output.path]).cloned().collect();
+        let outputs = outputs.iter().map(PathBuf::as_path);
+        let prepared = PreparedShot::new(shot)?.keeping_trajectories(outputs, Keeping::Write);
         for note in &prepared.notes {
             writeln!(io::stderr(), "note: {note}")?;
         }
@@ -36,7 +48,10 @@ impl Source {
     /// Opens a shot, for exports that need its scene.
     pub(super) fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<PreparedShot> {
         match Self::open(args)? {
-            Self::Shot(prepared) => Ok(*prepared),
+            Self::Shot(prepared) => {
+                solve_before_frames(&prepared, &AtomicBool::new(false));
+                Ok(*prepared)
+            }
             Self::Lattices(_) => bail!("{} holds lattices only, and {why}; give the shot", args.shot.display()),
         }
     }
@@ -51,10 +66,22 @@ impl Source {
         Ok(inputs)
     }
 
-    /// Returns the lattices of the selected frames, and the shot that they were solved for.
+    /// Returns the lattices of the selected frames and layers, and the shot that they were solved for.
     pub(super) fn lattices(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
+        let (mut file, prepared) = self.lattices_of_all_layers(args)?;
+        if !args.layer.is_empty() {
+            file.layers.retain(|layer| args.layer.contains(&layer.name));
+        }
+        if file.layers.is_empty() {
+            bail!("no layer of {} that was asked for (--layer) is warped in these frames", args.shot.display());
+        }
+        Ok((file, prepared))
+    }
+
+    fn lattices_of_all_layers(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
         match self {
             Self::Shot(prepared) => {
+                solve_before_frames(&prepared, &AtomicBool::new(false));
                 let file =
                     lattices(&prepared, &frames(args, &prepared), |frame| tracing::info!("frame {frame} solved"))?;
                 Ok((file, Some(prepared)))
@@ -69,6 +96,12 @@ impl Source {
             }
         }
     }
+}
+
+/// Refuses names of layers that are not warped, before anything is solved.
+fn check_layers<'a>(args: &ExportArgs, warped: impl Iterator<Item = &'a str> + Clone) -> anyhow::Result<()> {
+    let Some(wrong) = args.layer.iter().find(|name| warped.clone().all(|other| other != *name)) else { return Ok(()) };
+    bail!("{} has no warped layer '{wrong}'; {}", args.shot.display(), spelling::hint(wrong, warped))
 }
 
 /// Returns the selected frames, or the shot's range.

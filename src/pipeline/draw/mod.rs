@@ -15,7 +15,7 @@ use crate::image::Frame;
 use crate::pipeline::run::write::Drawn;
 use crate::pipeline::{JerkMeter, PassPlan, PipelineError, PreparedShot, plan_passes};
 use crate::raster::{Pass, PassRole, Raster, Target};
-use crate::space::PixelRect;
+use crate::space::{FrameSize, PixelRect};
 use geometry_thread::{BuiltPass, FrameFacts, FrameJob, GeometryThread};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -27,6 +27,27 @@ const MAX_TILE_SIDE: u32 = 8192;
 /// Splits a window into tiles that the device can draw.
 pub(in crate::pipeline) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
     window.tiles(max_side.min(MAX_TILE_SIDE))
+}
+
+/// Draws the tiles of a window of a display window, and joins them to one frame.
+pub(in crate::pipeline) fn draw_tiles(
+    (display, window): (FrameSize, PixelRect),
+    tiles: &[PixelRect],
+    mut draw: impl FnMut(PixelRect) -> Result<Frame, PipelineError>,
+) -> Result<Frame, PipelineError> {
+    if let [only] = tiles {
+        return draw(*only);
+    }
+    let mut whole = Frame { pixel_aspect: display.pixel_aspect, ..Frame::blank(display.window(), window, &[]) };
+    for &tile in tiles {
+        let drawn = draw(tile)?;
+        if whole.channels.is_empty() {
+            let channels: Vec<_> = drawn.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
+            whole.channels = Frame::blank(display.window(), window, &channels).channels;
+        }
+        whole.paste(&drawn);
+    }
+    Ok(whole)
 }
 
 /// Draws all jobs and returns the time for which the raster was busy, milliseconds.
@@ -88,24 +109,10 @@ struct FrameRenderer<'a> {
 
 impl FrameRenderer<'_> {
     fn draw(&mut self, job: &FrameJob, tiles: &[PixelRect]) -> Result<(Frame, FrameFacts), PipelineError> {
-        let mut whole: Option<Frame> = None;
-        for &window in tiles {
-            let tile = self.tile(job, window)?;
-            match &mut whole {
-                None if tiles.len() == 1 => whole = Some(tile),
-                None => {
-                    let channels: Vec<_> = tile.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
-                    let display = self.prepared.shot.size.window();
-                    let pixel_aspect = self.prepared.shot.size.pixel_aspect;
-                    let mut frame = Frame { pixel_aspect, ..Frame::blank(display, display, &channels) };
-                    frame.paste(&tile);
-                    whole = Some(frame);
-                }
-                Some(frame) => frame.paste(&tile),
-            }
-        }
+        let place = (self.prepared.shot.size, self.prepared.shot.size.window());
+        let whole = draw_tiles(place, tiles, |window| self.tile(job, window))?;
         let begun = Instant::now();
-        let frame = whole.ok_or_else(|| lost(job))?.crop_to_covered();
+        let frame = whole.crop_to_covered();
         self.busy_ms += begun.elapsed().as_secs_f64() * 1e3;
         Ok((frame, job.facts.recv().map_err(|_| lost(job))?))
     }

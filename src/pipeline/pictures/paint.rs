@@ -177,7 +177,7 @@ fn warped(
 ) -> WarpedPicture {
     let of_lattice = |plate: &Plate, lattice: ScreenLattice| {
         let (name, field) = (layer.to_owned(), Field::of_layer(lattice));
-        let layer = LayerJob { name, field, previous: None, next: None, matte: Some(Matte::Alpha) };
+        let layer = LayerJob { name, field, previous: None, next: None, matte: Some(Matte::Alpha), front: None };
         let semantics = [REGION, RIM].map(|name| (name.to_owned(), Semantic::Color)).into();
         let settings = WarpSettings { filter, semantics, ..WarpSettings::default() };
         let job = PlateJob { layers: vec![layer], settings: &settings, fill: None };

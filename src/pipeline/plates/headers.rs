@@ -1,12 +1,14 @@
-//! Checks the headers of the first and the last frame before anything is written: unknown names, missing files, shapes.
+//! Checks the headers (and the pixels of maps) of the first and the last frame before anything is written: unknown names, missing files, shapes.
 //!
 //! In: a [`WarpJob`], its sequences, frames. Out: notes, or the error that every frame would cause.
 
+use super::needed_memory::held_bytes;
 use super::{PlateWarp, WarpJob};
 use crate::files::check_regular;
-use crate::image::{Plate, SequencePath, read_any_head};
+use crate::image::{Plate, SequencePath, picture_extent, read_any, read_any_head};
+use crate::memory;
 use crate::pipeline::PipelineError;
-use crate::plate::{Matte, check_plate, check_stmap};
+use crate::plate::{Matte, check_fill, check_plate, check_stmap, map_of_stmap};
 use crate::space::FrameSize;
 use std::path::Path;
 
@@ -68,12 +70,30 @@ fn check_frame(
     if let Some(maps) = sources.maps {
         check_map(&maps.path_of(frame), &head)?;
     }
+    if let Some(clean) = sources.clean {
+        check_clean(&clean.path_of(frame), &head)?;
+    }
     Ok(Some(check_plate(&head, mattes, &job.settings)?))
 }
 
+/// Checks that a map belongs to its plate, and from its pixels that it is one.
 fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
-    let Ok(map) = read_any_head(path) else { return Ok(()) };
-    check_stmap(&map, plate).map_err(|source| PipelineError::StMap { path: path.to_owned(), source })
+    let Ok(head) = read_any_head(path) else { return Ok(()) };
+    let named = |source| PipelineError::StMap { path: path.to_owned(), source };
+    check_stmap(&head, plate).map_err(named)?;
+    // A map that does not fit into memory, or that is damaged, is reported when its frame is warped.
+    let Some(memory) = picture_extent(path).ok().and_then(|extent| memory::reserve(held_bytes(extent)).ok()) else {
+        return Ok(());
+    };
+    let checked = read_any(path).map_or(Ok(()), |map| map_of_stmap(&map).map(drop).map_err(named));
+    drop(memory);
+    checked
+}
+
+/// Checks that a clean plate has the size of its plate.
+fn check_clean(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
+    let Ok(clean) = read_any_head(path) else { return Ok(()) };
+    check_fill(&clean, plate).map_err(|source| PipelineError::CleanPlate { path: path.to_owned(), source })
 }
 
 /// Checks the aspect ratio of a plate: proxies and overscan have the shot's; any other belongs to another shot.

@@ -10,8 +10,10 @@
 mod at_rest;
 mod default_mattes;
 mod fill;
+mod fronts;
 mod headers;
 mod job;
+mod needed_memory;
 mod plan;
 mod read;
 mod shared_meshes;

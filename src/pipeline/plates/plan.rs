@@ -3,7 +3,7 @@
 //! In: a [`WarpJob`]. Out: a [`Plan`].
 
 use super::headers::{self, Sources};
-use super::shared_meshes::SharedMeshes;
+use super::shared_meshes::SharedGroup;
 use super::{PlateWarp, WarpDirection, WarpJob};
 use crate::export::{LatticeFile, Track};
 use crate::image::{
@@ -29,6 +29,8 @@ pub(super) struct Plan {
     pub(super) maps: Option<SequencePath>,
     /// Layers that warp, by index in the shot or file.
     pub(super) layers: Vec<usize>,
+    /// The layers that share meshes, if they can be moved as one.
+    pub(super) shared: Option<SharedGroup>,
     /// Frames to warp, and frames to keep.
     pub(super) todo: Todo,
     /// Notes for the user, reported before the run.
@@ -51,10 +53,10 @@ impl Plan {
         check_matte(job, &layers)?;
         check_mattes_differ(job, &layers)?;
         notes.extend(note_unmatted(job, &layers));
-        if let PlateWarp::Shot(prepared) = &job.warp
-            && SharedMeshes::of(prepared, &job.device, &layers).is_none()
-        {
-            notes.extend(prepared.note_on_shared(&layers));
+        let mut shared = None;
+        if let PlateWarp::Shot(prepared) = &job.warp {
+            shared = SharedGroup::of(prepared, &layers);
+            notes.extend(prepared.note_on_shared(&layers).filter(|_| shared.is_none()));
         }
         let wanted = wanted(job, (&plate, maps.as_ref()), &mut notes)?;
         output.check_frame_count(wanted.len())?;
@@ -75,7 +77,7 @@ impl Plan {
         notes.extend(headers::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
-        Ok(Self { plate, output, clean, maps, layers, todo, notes, digests })
+        Ok(Self { plate, output, clean, maps, layers, shared, todo, notes, digests })
     }
 }
 

@@ -2,8 +2,9 @@
 //!
 //! In: a [`Plan`]. Out: [`Loaded`] frames, one after the other.
 
+use super::needed_memory::{held_bytes, warped_bytes};
 use super::plan::Plan;
-use crate::image::{ImageError, PictureExtent, Plate, SequencePath, picture_extent, read_any};
+use crate::image::{ImageError, Plate, SequencePath, picture_extent, read_any};
 use crate::memory::{self, Reservation};
 use crate::pipeline::PipelineError;
 use std::path::PathBuf;
@@ -63,15 +64,4 @@ impl Reader<'_> {
         let read = |path: Option<PathBuf>| path.map(|path| read_any(&path)).transpose();
         Ok(Pictures { plate: read_any(&plate)?, clean: read(clean)?, map: read(map)?, memory })
     }
-}
-
-/// Returns the memory for a picture that is only sampled: its samples as floats, and as stored while being decoded.
-fn held_bytes(extent: PictureExtent) -> u128 {
-    8 * extent.samples
-}
-
-/// Returns the memory for a plate that is warped and written: the decoded, the warped and the encoded samples, its map,
-/// the background of folds, and shares and coverage of layers.
-fn warped_bytes(extent: PictureExtent) -> u128 {
-    12 * extent.samples + 40 * extent.pixels
 }

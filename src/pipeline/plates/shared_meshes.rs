@@ -13,24 +13,30 @@ use crate::raster::{DeviceChoice, MATTE_LAYERS};
 use std::collections::BTreeSet;
 
 /// The layers of a shot that share meshes, and all that they move.
+#[derive(Debug)]
+pub(super) struct SharedGroup {
+    /// Indices of the layers.
+    pub(super) layers: Vec<usize>,
+    /// Indices of the nodes with their meshes.
+    pub(super) nodes: BTreeSet<usize>,
+    /// Names of the nodes, as in Cryptomattes.
+    names: Vec<String>,
+}
+
+/// Warps the layers of a group.
 pub(super) struct SharedMeshes<'a> {
     prepared: &'a PreparedShot,
     device: &'a DeviceChoice,
-    /// Indices of the layers.
-    layers: Vec<usize>,
-    /// Indices of the nodes with their meshes.
-    nodes: BTreeSet<usize>,
-    /// Names of the nodes, as in Cryptomattes.
-    names: Vec<String>,
+    group: &'a SharedGroup,
     /// Opened for the size of the first plate, and again for plates of another size.
     maps: Option<SurfaceMaps<'a>>,
     scene: Option<SceneAtRest<'a>>,
 }
 
-impl<'a> SharedMeshes<'a> {
+impl SharedGroup {
     /// Finds the layers; `None` if there are none, if not all of them are among the `chosen` ones, if another layer
     /// bends the whole picture, or if the names of their nodes do not identify what they move.
-    pub(super) fn of(prepared: &'a PreparedShot, device: &'a DeviceChoice, chosen: &[usize]) -> Option<Self> {
+    pub(super) fn of(prepared: &PreparedShot, chosen: &[usize]) -> Option<Self> {
         let (assignment, shot) = (&prepared.assignment, &prepared.shot);
         let layers: Vec<usize> = (0..shot.layers.len()).filter(|&layer| assignment.is_sharing[layer]).collect();
         let is_moved = |layer: &&usize| shot.layers[**layer].is_moved();
@@ -51,12 +57,19 @@ impl<'a> SharedMeshes<'a> {
         let others = parts.map(|part| assignment.node_of_part[part]).filter(|node| !nodes.contains(node));
         let is_known = others.map(name_of).all(|name| !names.contains(&name));
         let names = names.into_iter().collect();
-        is_known.then_some(Self { prepared, device, layers, nodes, names, maps: None, scene: None })
+        is_known.then_some(Self { layers, nodes, names })
+    }
+}
+
+impl<'a> SharedMeshes<'a> {
+    /// Creates the warp of a group.
+    pub(super) const fn new(prepared: &'a PreparedShot, device: &'a DeviceChoice, group: &'a SharedGroup) -> Self {
+        Self { prepared, device, group, maps: None, scene: None }
     }
 
     /// Indices of the layers.
     pub(super) fn layers(&self) -> &[usize] {
-        &self.layers
+        &self.group.layers
     }
 
     /// Returns the job that moves all of them in a frame's plate.
@@ -72,8 +85,8 @@ impl<'a> SharedMeshes<'a> {
         };
         let field = self.field(frame, plate)?;
         let names: Vec<&str> =
-            self.layers.iter().map(|&layer| self.prepared.shot.layers[layer].name.as_str()).collect();
-        let of_nodes = std::slice::from_ref(&self.names);
+            self.group.layers.iter().map(|&layer| self.prepared.shot.layers[layer].name.as_str()).collect();
+        let of_nodes = std::slice::from_ref(&self.group.names);
         let mattes = match mattes_of_names(plate, of_nodes, settings) {
             Some(mattes) => mattes,
             None => {
@@ -81,7 +94,7 @@ impl<'a> SharedMeshes<'a> {
                 scene.mattes(frame, plate, (MATTE_LAYERS[0], of_nodes))?
             }
         };
-        Ok(LayerJob { name: names.join(", "), field, previous, next, matte: mattes.into_iter().next() })
+        Ok(LayerJob { name: names.join(", "), field, previous, next, matte: mattes.into_iter().next(), front: None })
     }
 
     /// Returns the warp of a frame, at the pixels of a plate and of its display window.
@@ -90,11 +103,10 @@ impl<'a> SharedMeshes<'a> {
         let place = (size, size.window().union(plate.reach()));
         let mut maps = match self.maps.take().filter(|maps| maps.place() == place) {
             Some(maps) => maps,
-            None => SurfaceMaps::new(self.prepared, place)?.of_nodes(self.nodes.clone()),
+            None => SurfaceMaps::new(self.prepared, place)?.of_nodes(self.group.nodes.clone()),
         };
         let pictures = maps.pictures(self.prepared.mid_exposure_time(f64::from(frame)));
         self.maps = Some(maps);
-        let [unwarped, warped] = pictures?;
-        Ok(Field::of_surfaces([&unwarped, &warped], size))
+        Ok(Field::of_surfaces(pictures?, size))
     }
 }

@@ -4,6 +4,7 @@
 
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
+use super::fronts::{Fronts, Mover};
 use super::headers::check_shape;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
@@ -14,7 +15,9 @@ use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
 use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
-use crate::plate::{Field, Holes, LayerJob, Matte, PlateJob, PlateReport, Warper, has_motion, map_of_stmap};
+use crate::plate::{
+    Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
+};
 use crate::solve::Solution;
 use crate::space::FrameSize;
 use std::path::PathBuf;
@@ -28,6 +31,7 @@ pub(super) struct Stage<'a> {
     filler: Option<Filler<'a>>,
     default_mattes: Option<DefaultMattes<'a>>,
     shared_meshes: Option<SharedMeshes<'a>>,
+    fronts: Option<Fronts<'a>>,
     warper: Warper,
 }
 
@@ -77,14 +81,21 @@ impl<'a> Stage<'a> {
             }
             _ => None,
         };
-        let (mut default_mattes, mut shared_meshes) = (None, None);
+        let (mut default_mattes, mut shared_meshes, mut fronts) = (None, None, None);
         if let (PlateWarp::Shot(prepared), WarpDirection::Forward) = (&job.warp, job.direction) {
-            shared_meshes = SharedMeshes::of(prepared, &job.device, &plan.layers);
+            shared_meshes = plan.shared.as_ref().map(|group| SharedMeshes::new(prepared, &job.device, group));
             let shared = shared_meshes.as_ref().map_or(&[][..], SharedMeshes::layers);
             let own: Vec<usize> = plan.layers.iter().filter(|layer| !shared.contains(layer)).copied().collect();
             default_mattes = DefaultMattes::of(prepared, &job.device, &own);
+            let moves_nodes = |layer: &&usize| prepared.moves_own_nodes(**layer);
+            let alone = own.iter().filter(moves_nodes).map(|&layer| Mover { layer, nodes: None });
+            let joined = plan
+                .shared
+                .iter()
+                .filter_map(|group| Some(Mover { layer: *group.layers.first()?, nodes: Some(group.nodes.clone()) }));
+            fronts = Fronts::of(prepared, &plan.layers, alone.chain(joined).collect());
         }
-        Self { job, plan, filler, default_mattes, shared_meshes, warper }
+        Self { job, plan, filler, default_mattes, shared_meshes, fronts, warper }
     }
 
     /// Warps all plates that arrive.
@@ -131,29 +142,38 @@ impl<'a> Stage<'a> {
         check_shape(&self.job.warp, &self.plan.plate.path_of(frame), size)?;
         let settings = self.job.settings.in_pixels(size);
         if let Some(map) = map {
-            let warped = map_of_stmap(map).and_then(|map| self.warper.remap(plate, &map, &settings));
-            let (warped, report) =
-                warped.map_err(|source| PipelineError::StMap { path: self.map_path(frame), source })?;
-            return Ok((warped, report, String::new()));
+            return self.remapped(frame, [plate, map], &settings);
+        }
+        if let Some(clean) = clean {
+            self.check_clean(frame, [clean, plate])?;
         }
         let moved = self.moved(frame, has_motion(plate, &settings))?;
         let found = match &mut self.default_mattes {
             Some(mattes) if !moved.is_empty() => mattes.at(frame, (plate, &settings))?,
             _ => FoundMattes::default(),
         };
-        let mut layers = Vec::with_capacity(moved.len());
+        let mut layers: Vec<LayerJob> = Vec::with_capacity(moved.len());
+        // The layer of the shot that each job belongs to.
+        let mut layer_of_job = Vec::with_capacity(moved.len());
         let mut is_blended = false;
         for moved in moved {
             if let Some(meshes) = self.shared_meshes.as_mut().filter(|meshes| meshes.layers().contains(&moved.layer)) {
                 if !std::mem::replace(&mut is_blended, true) {
                     layers.push(meshes.job(frame, (plate, &settings))?);
+                    layer_of_job.extend(meshes.layers().first());
                 }
                 continue;
             }
+            let layer = moved.layer;
             match self.parts(frame, &moved, size)? {
                 Some(parts) => layers.extend(self.part_jobs(moved.layer, parts, &found)),
                 None => layers.push(self.layer_job(moved, &found)),
             }
+            layer_of_job.resize(layers.len(), layer);
+        }
+        if let Some(fronts) = self.fronts.as_mut().filter(|_| !layers.is_empty()) {
+            let fronts = fronts.at(frame, (size, size.window().union(plate.reach())))?;
+            layers.iter_mut().zip(&layer_of_job).for_each(|(job, layer)| job.front = fronts.get(layer).cloned());
         }
         if self.job.direction == WarpDirection::Inverse {
             let job = PlateJob { layers, settings: &settings, fill: None };
@@ -164,6 +184,30 @@ impl<'a> Stage<'a> {
         let job = PlateJob { layers, settings: &settings, fill: clean.as_ref().or(drawn.as_ref()) };
         let (warped, report) = self.warper.warp(plate, &job)?;
         Ok((warped, report, found.source))
+    }
+
+    /// Returns the plate warped by an STMap.
+    fn remapped(
+        &self,
+        frame: i32,
+        [plate, map]: [&Plate; 2],
+        settings: &WarpSettings,
+    ) -> Result<(Plate, PlateReport, String), PipelineError> {
+        let named = |source| PipelineError::StMap { path: self.map_path(frame), source };
+        let map = map_of_stmap(map).map_err(named)?;
+        let (warped, mut report) = self.warper.remap(plate, &map, settings).map_err(named)?;
+        let doubt = map.doubt().map(|why| {
+            let name = self.map_path(frame).file_name().unwrap_or_default().to_string_lossy().into_owned();
+            format!("\"{name}\" is probably not an STMap, since {why}; check --stmap")
+        });
+        report.warnings.extend(doubt);
+        Ok((warped, report, String::new()))
+    }
+
+    /// Refuses a clean plate of another size than its plate, which the headers of the first and last frame do not show.
+    fn check_clean(&self, frame: i32, [clean, plate]: [&Plate; 2]) -> Result<(), PipelineError> {
+        let path = || self.plan.clean.as_ref().map(|clean| clean.path_of(frame)).unwrap_or_default();
+        check_fill(clean, plate).map_err(|source| PipelineError::CleanPlate { path: path(), source })
     }
 
     fn map_path(&self, frame: i32) -> PathBuf {
@@ -212,7 +256,7 @@ impl<'a> Stage<'a> {
                 around.map(|around| around.map(|lattice| Some(lattice.map_or_else(Field::identity, Field::of_layer))));
             let [previous, next] = around.unwrap_or_default();
             let matte = Some(Matte::Part { of: Box::new(whole.clone()), share });
-            LayerJob { name: name.to_owned(), field: Field::of_layer(lattice), previous, next, matte }
+            LayerJob { name: name.to_owned(), field: Field::of_layer(lattice), previous, next, matte, front: None }
         };
         parts.into_iter().map(job).collect()
     }
@@ -223,7 +267,7 @@ impl<'a> Stage<'a> {
         let matte = matte.or_else(|| found.mattes.get(&layer)).cloned();
         let field = |warp: Option<ScreenWarp>| warp.map_or_else(Field::identity, |warp| warp.field(matte.is_none()));
         let [previous, next] = around.map_or([None, None], |around| around.map(|warp| Some(field(warp))));
-        LayerJob { name: name.to_owned(), field: field(now), previous, next, matte: matte.clone() }
+        LayerJob { name: name.to_owned(), field: field(now), previous, next, matte: matte.clone(), front: None }
     }
 
     /// Returns the warp of each layer in a frame; `None` where it is not moved.

@@ -6,9 +6,10 @@
 use super::at_rest::SceneAtRest;
 use crate::image::Frame;
 use crate::pipeline::draw::geometry_thread::geometry_between;
-use crate::pipeline::{PipelineError, PreparedShot, TimeSample, draw::tiles};
+use crate::pipeline::draw::{draw_tiles, tiles};
+use crate::pipeline::{PipelineError, PreparedShot, TimeSample};
 use crate::plate::{SurfacePicture, WarpMap};
-use crate::raster::{ChannelGroup, DeviceChoice, Geometry, Pass, PassRole, Raster, Target};
+use crate::raster::{ChannelGroup, DeviceChoice, Draw, Geometry, Pass, PassRole, Raster, Target};
 use crate::space::{FrameSize, PixelRect};
 use glam::Vec2;
 use std::collections::BTreeSet;
@@ -69,32 +70,50 @@ impl<'a> SurfaceMaps<'a> {
 
     /// Draws the scene at a (fractional) frame before and after the warp, each with its displacement to the other.
     pub(super) fn pictures(&mut self, frame: f64) -> Result<[SurfacePicture; 2], PipelineError> {
+        let [before, after] = self.geometries(frame)?;
+        Ok([self.picture(&before)?, self.picture(&after)?])
+    }
+
+    /// As [`Self::pictures`], each followed by the picture of a part of the scene alone.
+    pub(super) fn pictures_with(
+        &mut self,
+        frame: f64,
+        part: &dyn Fn(&Draw) -> bool,
+    ) -> Result<[[SurfacePicture; 2]; 2], PipelineError> {
+        let [before, after] = self.geometries(frame)?;
+        let mut with_part = |mut geometry: Geometry| -> Result<_, PipelineError> {
+            let all = self.picture(&geometry)?;
+            geometry.draws.retain(part);
+            Ok([all, self.picture(&geometry)?])
+        };
+        Ok([with_part(before)?, with_part(after)?])
+    }
+
+    /// Builds the geometry at a (fractional) frame before and after the warp.
+    fn geometries(&self, frame: f64) -> Result<[Geometry; 2], PipelineError> {
         let unwarped = self.still.sample_at(frame)?;
         let warped = self.prepared.sample_at(frame)?;
-        let between = |ends: [&TimeSample; 2]| geometry_between(self.prepared, ends, &warped);
-        let [before, after] = [between([&unwarped, &warped]), between([&warped, &unwarped])];
-        Ok([self.picture(before)?, self.picture(after)?])
+        let between = |ends: [&TimeSample; 2]| {
+            let mut geometry = geometry_between(self.prepared, ends, &warped);
+            if let Some(nodes) = &self.nodes {
+                geometry.draws.retain(|draw| nodes.contains(&(draw.object_id as usize - 1)));
+            }
+            geometry
+        };
+        Ok([between([&unwarped, &warped]), between([&warped, &unwarped])])
     }
 
     /// Draws geometry whose motion is the displacement to the other picture.
-    fn picture(&mut self, mut geometry: Geometry) -> Result<SurfacePicture, PipelineError> {
-        let (frame, window) = self.place;
-        if let Some(nodes) = &self.nodes {
-            geometry.draws.retain(|draw| nodes.contains(&(draw.object_id as usize - 1)));
-        }
-        let pass = Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: PassRole::Data };
-        let mut drawn = Frame::blank(frame.window(), window, &[]);
-        for (index, tile) in tiles(window, self.device.max_side()).into_iter().enumerate() {
-            let target = Target { frame, window: tile, channels: CHANNELS.to_vec(), beauty_passes: 1 };
-            self.device.start(&target)?;
-            self.device.draw(&pass)?;
-            let tile = self.device.finish()?;
-            if index == 0 {
-                let channels: Vec<_> = tile.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
-                drawn = Frame::blank(frame.window(), window, &channels);
-            }
-            drawn.paste(&tile);
-        }
+    fn picture(&mut self, geometry: &Geometry) -> Result<SurfacePicture, PipelineError> {
+        let pass = Pass { geometry, jitter_px: Vec2::ZERO, role: PassRole::Data };
+        let device = self.device.as_mut();
+        let tiles = tiles(self.place.1, device.max_side());
+        let drawn = draw_tiles(self.place, &tiles, |window| {
+            let target = Target { frame: self.place.0, window, channels: CHANNELS.to_vec(), beauty_passes: 1 };
+            device.start(&target)?;
+            device.draw(&pass)?;
+            Ok(device.finish()?)
+        })?;
         Ok(surfaces_of(&drawn))
     }
 }

@@ -123,7 +123,7 @@ pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, on_event: &(dyn
 }
 
 /// Solves all layers over time before the first frame needs them; a cancelled run solves fewer.
-pub(in crate::pipeline) fn solve_before_frames(prepared: &PreparedShot, cancel: &AtomicBool) {
+pub(crate) fn solve_before_frames(prepared: &PreparedShot, cancel: &AtomicBool) {
     let has_any = (0..prepared.shot.layers.len()).any(|index| has_trajectory(prepared, index));
     if has_any {
         let BakeSummary { solved, kept, wall_secs, .. } = solve_ahead(prepared, cancel, &|_| ());

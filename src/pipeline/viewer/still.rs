@@ -169,7 +169,14 @@ impl PreparedShot {
         let settings = self.shot.warp.in_pixels(plate.frame_size());
         let moved = self.shot.layers.iter().zip(&sample.layers).filter_map(|(layer, state)| {
             let field = state.field(layer.matte.is_none())?;
-            Some(LayerJob { name: layer.name.clone(), field, previous: None, next: None, matte: layer.matte.clone() })
+            Some(LayerJob {
+                name: layer.name.clone(),
+                field,
+                previous: None,
+                next: None,
+                matte: layer.matte.clone(),
+                front: None,
+            })
         });
         let job = PlateJob { layers: moved.collect(), settings: &settings, fill: None };
         Ok(warp_plate(&plate, &job).map(|(plate, _): (Plate, _)| plate.into_frame())?)

@@ -81,8 +81,14 @@ impl WarpedStill {
             let picture = match state.field(false) {
                 None => plate.clone(),
                 Some(field) => {
-                    let moved =
-                        LayerJob { name: String::new(), field, previous: None, next: None, matte: Some(Matte::Alpha) };
+                    let moved = LayerJob {
+                        name: String::new(),
+                        field,
+                        previous: None,
+                        next: None,
+                        matte: Some(Matte::Alpha),
+                        front: None,
+                    };
                     warp_plate(plate, &PlateJob { layers: vec![moved], settings: &settings, fill: None }).ok()?.0
                 }
             };
