@@ -150,3 +150,22 @@ fn a_key_is_bound_anew_in_the_list() {
     assert!(window.query_by_label_contains("both 'key' and 'fit'").is_some(), "a clash is told");
     assert_eq!(fs::read_to_string(stage.state().join("keys.json")).expect("as before"), kept);
 }
+
+#[test]
+fn onion_skins_that_are_no_longer_seen_are_freed() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::N);
+    window.run_steps(2);
+    let mut most = 0;
+    for frame in 1..=6 {
+        until(&mut window, "frames around it are drawn", |window| session(window).is_idle());
+        most = most.max(window.ctx.tex_manager().read().num_allocated());
+        assert_eq!(session(&window).playhead.frame(), frame);
+        window.get_by_label("Frame forward").click();
+        window.run_steps(3);
+    }
+    // The letters, the picture, and two frames on either side at most.
+    assert!((3..=6).contains(&most), "{most} textures");
+}

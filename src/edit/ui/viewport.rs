@@ -58,6 +58,11 @@ impl Textures {
         }
         self.onion[&picture.frame].1.id()
     }
+
+    /// Frees the pictures of frames that are no longer seen.
+    fn keep_frames(&mut self, seen: &[i32]) {
+        self.onion.retain(|frame, _| seen.contains(frame));
+    }
 }
 
 /// Shows the picture and handles the pointer.
@@ -190,9 +195,11 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     painter.rect_filled(frame, 0, theme::backdrop(ui.visuals()));
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     let draw = |id: egui::TextureId, tint: Color32| _ = painter.image(id, frame, whole, tint);
-    for (picture, color) in onions(session) {
-        draw(textures.of_frame(ui.ctx(), picture), color);
+    let onions = onions(session);
+    for (picture, color) in &onions {
+        draw(textures.of_frame(ui.ctx(), picture), *color);
     }
+    textures.keep_frames(&onions.iter().map(|(picture, _)| picture.frame).collect::<Vec<_>>());
     let reference = reference(ui.ctx(), (frame, lens), session, textures);
     let draw_reference = |is_above: bool| {
         if let Some((id, place, color, _)) = reference.filter(|(.., above)| *above == is_above) {
