@@ -26,6 +26,8 @@ mod menus;
 mod nudges;
 mod options;
 mod over;
+mod panel_edge;
+mod panels;
 mod screenshot;
 mod shot_panel;
 mod software;
