@@ -39,8 +39,54 @@ fn of_files_dropped_at_once_one_is_opened_and_a_picture_lies_over_it() {
     window.run_steps(3);
     assert_eq!(session(&window).document().path(), stage.shot());
     let told = session(&window).message().unwrap_or_default().to_owned();
-    assert!(told.contains("draw.####.png lies over the picture"), "{told}");
-    assert!(told.ends_with("Not used: broken.toml, other.png, notes.txt"), "{told}");
+    assert!(told.contains("draw.####.png, other.png lie over the picture"), "{told}");
+    assert!(told.ends_with("Not used: broken.toml, notes.txt"), "{told}");
+    assert_eq!(session(&window).reference_count(), 2);
+}
+
+/// The pictures in the viewport in the order in which they are drawn: height in points, opacity.
+fn drawn_pictures(window: &Window) -> Vec<[f32; 2]> {
+    let mut found = Vec::new();
+    for clipped in &window.output().shapes {
+        if let egui::Shape::Mesh(mesh) = &clipped.shape
+            && mesh.texture_id != egui::TextureId::default()
+        {
+            found.push([mesh.calc_bounds().height(), (f32::from(mesh.vertices[0].color.a()) / 2.55).round() / 100.0]);
+        }
+    }
+    found
+}
+
+#[test]
+fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
+    let stage = Stage::new();
+    let [low, high] = ["low.png", "high.png"].map(|name| stage.folder.path().join(name));
+    for path in [&low, &high] {
+        write_png(path, &Preview::transparent(16, 9)).expect("written");
+    }
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let [[frame, _]] = drawn_pictures(&window)[..] else { panic!("the frame alone") };
+    for path in [&low, &high, &low] {
+        let editor = window.state_mut().as_mut().and_then(|editor| editor.session_mut());
+        editor.expect("a shot is open").add_reference(path).expect("a picture");
+    }
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    assert_eq!(drawn_pictures(&window), [[frame, 1.0], [frame, 0.5], [frame, 0.5]], "what is there is not added again");
+    let number = |window: &Window, label: &str, value: f64| {
+        window.get_all_by_label(label).next().expect("it is there").set_value_accesskit(value);
+    };
+    number(&window, "Opacity of low.png", 0.2);
+    number(&window, "Size of high.png", 0.5);
+    window.get_by_label("low.png above the frame").click();
+    window.run_steps(3);
+    assert_eq!(drawn_pictures(&window), [[frame, 0.2], [frame, 1.0], [0.5 * frame, 0.5]]);
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    window.get_by_label("Remove low.png").click();
+    window.run_steps(3);
+    assert_eq!(drawn_pictures(&window), [[frame, 1.0], [0.5 * frame, 0.5]]);
 }
 
 fn key(window: &mut Window, key: Key, pressed: bool) {

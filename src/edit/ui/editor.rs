@@ -8,9 +8,7 @@ use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport};
-use crate::edit::{
-    Action, DiskChange, Document, Dropped, EditError, Reference, Session, Shortcuts, Tour, Unfinished, unfinished,
-};
+use crate::edit::{Action, DiskChange, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
@@ -87,7 +85,7 @@ impl Editor {
     }
 
     /// Returns the open session mutably, for tests and scripts.
-    pub(crate) const fn session_mut(&mut self) -> Option<&mut Session> {
+    pub const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
 
@@ -298,10 +296,11 @@ impl Editor {
                     self.show_error(&error);
                 }
             }
-            (Purpose::Reference, Some(session)) => match Reference::open(path, session.playhead.frame()) {
-                Ok(reference) => session.reference = Some(reference),
-                Err(error) => session.say(error.to_string()),
-            },
+            (Purpose::Reference, Some(session)) => {
+                if let Err(error) = session.add_reference(path) {
+                    session.say(error.to_string());
+                }
+            }
             (_, None) => {}
         }
     }
