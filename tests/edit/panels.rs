@@ -215,3 +215,22 @@ fn onion_skins_that_are_no_longer_seen_are_freed() {
     // The letters, the picture, and two frames on either side at most.
     assert!((3..=6).contains(&most), "{most} textures");
 }
+
+#[test]
+fn numbers_of_a_pin_in_sizes_of_the_box_are_per_cent() {
+    let pin = "coarse on purpose\n\n[[layer.pin]]\nname = \"p\"\nunit = \"box\"\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+               region = { radius = 0.25, rigidity = 1.0 }\nkeys = [{ frame = 1, offset = [0.125, -0.5] }]\n";
+    let stage = Stage::with(pin);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("p").click();
+    window.run_steps(3);
+    for (label, value) in [("Offset x", "12.5 %"), ("Offset y", "-50 %"), ("Radius", "25 %")] {
+        let shown: Vec<String> = window.query_all_by_label(label).filter_map(|node| node.value()).collect();
+        let is_said = |text: &String| text.replace(".0", "").replace('\u{2212}', "-") == value;
+        assert!(shown.iter().any(is_said), "{label}: {shown:?}");
+    }
+    window.key_press(Key::C);
+    window.run_steps(3);
+    assert!(window.query_by_label("x, % of the box").is_some() && window.query_by_label("x, px").is_none());
+}

@@ -14,6 +14,7 @@ mod painting;
 mod placing;
 mod pointer;
 mod references;
+mod regions;
 mod render_run;
 mod rings;
 mod selection;
