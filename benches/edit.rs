@@ -2,17 +2,23 @@
 //! rest, memory after a long session.
 //!
 //! Run with `cargo bench --bench edit`. In: the walker and the hare at 1080p; Knight.glb, if the shared assets are next to the
-//! repository or in PINWARP_SHARED; a plane of a million vertices. Out: printed lines. `cargo bench --bench edit -- --edits 5000`
-//! makes that many edits of all kinds instead, and prints the memory over them.
+//! repository or in PINWARP_SHARED; models of a million vertices (`-- --large`: only these). Out: printed lines. `-- --edits 5000`
+//! makes that many edits of all kinds instead, prints the memory over them, and fails if it grows.
 
 #[allow(dead_code, reason = "other tests need more of it")]
 #[path = "../tests/support/tiny.rs"]
 mod tiny;
 
-use pinwarp::edit::{Document, Held, PinPart, Ring, Session, open};
+#[path = "../tests/support/endurance.rs"]
+mod endurance;
+
+#[path = "support/crowd.rs"]
+mod crowd;
+
+use endurance::{Endurance, resident_bytes};
+use pinwarp::edit::{Document, Held, Ring, Session, open};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
-use pinwarp::shot::edit::Setting;
 use pinwarp::space::ScreenPoint;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -31,6 +37,9 @@ const ROUNDS: usize = 240;
 const REST: Duration = Duration::from_secs(5);
 
 fn main() {
+    if std::env::args().any(|word| word == "--large") {
+        return large();
+    }
     let mut words = std::env::args().skip_while(|word| word != "--edits").skip(1);
     if let Some(count) = words.next().and_then(|count| count.parse().ok()) {
         return endure(count);
@@ -48,12 +57,19 @@ fn main() {
     if let Some(knight) = find(&shared.join("assets"), "Knight.glb") {
         measure("Knight.glb, 1920 x 1080", || open(&knight, FileAccess::SceneFolder).expect("a scene"));
     }
+    large();
+    work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
+}
+
+/// Models of a million vertices: one that moves as a whole, as text, and one that joints bend, binary.
+fn large() {
     let folder = tempfile::tempdir().expect("a folder");
-    let plane = folder.path().join("plane.gltf");
+    let [plane, ball] = ["plane.gltf", "ball.glb"].map(|name| folder.path().join(name));
     let scene = Tiny::of(vec![grid("Plane", [-0.7, -0.4, 0.7, 0.4], 1000)]).json();
     std::fs::write(&plane, scene.to_string()).expect("written");
-    crowd("a million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
-    work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
+    crowd("a flat million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
+    std::fs::write(&ball, crowd::ball(1000, 1000)).expect("written");
+    crowd("a bent million vertices, 1920 x 1080", || open(&ball, FileAccess::SceneFolder).expect("a scene"));
 }
 
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {
@@ -191,101 +207,20 @@ fn work(name: &str, document: impl Fn() -> Document) {
             session.undo();
         }
         if (round + 1) % (ROUNDS / 4) == 0 {
-            told.extend(resident_mib().map(|mib| format!("{mib:.0}")));
+            told.extend(resident_bytes().map(|bytes| format!("{:.0}", bytes / 1048576.0)));
         }
     }
     println!("{name}: {ROUNDS} drags in {:.0} s; memory after each quarter {} MiB", ms(begun) / 1e3, told.join(", "));
 }
 
-/// Number of times that a long session says how much memory it has.
-const REPORTS: usize = 20;
-
-/// A long session of edits of all kinds on a small shot, solved over time: the memory over the edits, and its slope in the second half.
+/// A long session of edits of all kinds on a small shot: the memory over the edits, and its slope after the warm-up.
 fn endure(count: usize) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scene = Tiny::of(vec![grid("Left", [-0.7, -0.3, -0.1, 0.3], 24), grid("Right", [0.1, -0.3, 0.7, 0.3], 24)]);
-    std::fs::write(folder.path().join("cards.gltf"), scene.json().to_string()).expect("written");
-    let text = "version = 1\nscene = \"cards.gltf\"\nframes = { first = 1, last = 12 }\nsize = [320, 180]\nsamples = 4\n\n\
-                [[layer]]\nname = \"left\"\nnodes = [\"Left\"]\n\n[[layer]]\nname = \"right\"\nnodes = [\"Right\"]\n";
-    let document = Document::new(&folder.path().join("shot.toml"), text.to_owned()).expect("a shot");
-    let mut session = Session::new(document, DeviceChoice::Cpu, || ());
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
-    session.shown.handles = true;
-    place(&mut session, ScreenPoint::new(0.5, 0.5));
-    let begun = Instant::now();
-    let mut seen: Vec<[f64; 2]> = Vec::new();
-    for edit in 0..count {
-        step(&mut session, edit);
-        if (edit + 1) % (count / REPORTS).max(1) == 0 {
-            assert!(session.settle(TIMEOUT), "{:?}", session.fault());
-            wait(&mut session, |session| session.is_idle().then_some(()));
-            let changes = session.document().history().labels().count();
-            let Some(mib) = resident_mib() else { continue };
-            println!("{} edits in {:.0} s: {mib:.1} MiB, {changes} changes to undo", edit + 1, ms(begun) / 1e3);
-            seen.push([(edit + 1) as f64, mib * 1024.0 * 1024.0]);
-        }
-    }
-    println!("slope of the second half: {:.0} bytes per edit", slope(&seen[seen.len() / 2..]));
-}
-
-/// One edit of a long session: each kind in turn.
-fn step(session: &mut Session, edit: usize) {
-    session.go(1 + (7 * edit as i32).rem_euclid(12));
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
-    let part = PinPart::Stiffness;
-    // Every other edit goes back.
-    let far = 0.002 * (edit / 16 % 17) as f64 * if (edit / 8).is_multiple_of(2) { 1.0 } else { -1.0 };
-    match edit % 8 {
-        0 | 1 => drag_by(session, far, Held::default()),
-        2 => session.undo(),
-        3 => session.nudge(glam::DVec2::new(far, -far)),
-        4 => {
-            session.selection.clear();
-            let at = ScreenPoint::new(0.5, 0.4 + far);
-            session.press(at, (0.01, RING), Held { part, ..Held::default() });
-            session.motion(ScreenPoint::new(0.55, 0.5));
-            session.release();
-        }
-        5 if edit % 64 == 5 => session.clear_painting(),
-        5 => session.toggle_mute("right"),
-        6 => session.set_layer("Change smoothness", &["solve", "smoothness"], &Setting::Number(1.0 + far.abs()), None),
-        _ => {
-            // A new pin comes and goes.
-            place(session, ScreenPoint::new(1.2, 0.4 + far));
-            session.delete_pins();
-        }
-    }
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
-}
-
-/// Places a pin.
-fn place(session: &mut Session, at: ScreenPoint) {
-    session.selection.clear();
-    session.press(at, (0.001, RING), Held::default());
-    session.release();
-    wait(session, |session| session.selection.single_pin());
-}
-
-/// Drags the first pin.
-fn drag_by(session: &mut Session, far: f64, held: Held) {
-    let from = session.marks().iter().flat_map(|marks| &marks.pins).next().map(|pin| pin.target);
-    let Some(from) = from else { return };
-    session.press(from, (0.01, RING), held);
-    for step in 1..=4 {
-        let by = far * f64::from(step);
-        session.motion(ScreenPoint::new(from.0.x + by, from.0.y - 0.5 * by));
-        session.pump();
-    }
-    session.release();
-}
-
-/// The slope of a straight line through points, by least squares.
-fn slope(points: &[[f64; 2]]) -> f64 {
-    let count = points.len() as f64;
-    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
-    let [x, y] = [mean(0), mean(1)];
-    let over: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
-    over / points.iter().map(|point| (point[0] - x).powi(2)).sum::<f64>().max(1.0)
+    let growth = Endurance::begin().run(count / 20, |edits| edits < count);
+    let Some(slope) = growth.slope() else {
+        return println!("too few edits to tell, or a system that tells no memory");
+    };
+    println!("slope after the warm-up: {slope:.0} bytes per edit, {:.0} allowed", growth.bound());
+    assert!(slope < growth.bound(), "the memory grows");
 }
 
 /// Processor time of this process over all cores, in seconds; `None` if the system does not provide it.
@@ -295,13 +230,6 @@ fn processor_secs() -> Option<f64> {
     let ticks = |place: usize| fields.get(place)?.parse::<f64>().ok();
     // On Linux clock ticks are hundredths of a second.
     Some((ticks(11)? + ticks(12)?) / 100.0)
-}
-
-/// Resident memory of this process.
-fn resident_mib() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    Some(line.split_whitespace().next()?.parse::<f64>().ok()? / 1024.0)
 }
 
 /// Median and 95th percentile, without the first move, which prepares the solver and is given separately.

@@ -1,26 +1,32 @@
 //! The keys of a pin or handle as animation curves.
 //!
-//! In: keys, a channel. Out: values in display units (pixels, degrees, factors, per cent), and keys with changed values.
+//! In: keys, a channel. Out: values in display units (pixels, degrees, factors, per cent), and keys with changed values. `scale`:
+//! display units per unit of a position on the screen, as [`display_scale`].
 
 use super::track::{handle_key_at, key_at};
 use super::track_keys::{KeyEdit, TimedKey, Track, with_key};
-use crate::shot::{Ease, Goal, HandleKey, LayerSpace, PinKey, Rotation, Shot};
+use crate::shot::{Ease, Goal, HandleKey, LayerSpace, OffsetUnit, Pin, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
 
 /// An animated value of a pin or handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Channel {
-    /// The target's x: rightwards, in pixels; of keys in the scene, in their own unit; of handles in per cent of
-    /// the lattice's box.
+    /// The target's x: rightwards, in pixels; of keys in the scene, in their own unit; of handles, and of pins whose
+    /// unit is the box, in per cent of the lattice's box.
     X,
-    /// The target's y: upwards, in pixels; of keys in the scene, in their own unit; of handles in per cent of
-    /// the lattice's box.
+    /// The target's y: upwards, in the units of x.
     Y,
     /// The target's z, of keys in the scene and of handles there.
     Z,
     /// Rotation in degrees, counter-clockwise.
     Rotation,
+    /// Rotation about the x axis of the scene, in degrees.
+    RotationX,
+    /// Rotation about the y axis, as turned by that of x.
+    RotationY,
+    /// Rotation about the z axis, as turned by those of x and y.
+    RotationZ,
     /// Scale factor.
     Scale,
 }
@@ -34,6 +40,9 @@ impl Channel {
             Self::Y => "y",
             Self::Z => "z",
             Self::Rotation => "rotation",
+            Self::RotationX => "rotation x",
+            Self::RotationY => "rotation y",
+            Self::RotationZ => "rotation z",
             Self::Scale => "scale",
         }
     }
@@ -44,71 +53,119 @@ impl Channel {
             Self::X => Some(0),
             Self::Y => Some(1),
             Self::Z => Some(2),
-            Self::Rotation | Self::Scale => None,
+            _ => None,
         }
     }
 
-    /// Returns a pin key's value; `None` if it has none. `lines`: frame height in pixels.
+    /// Returns the axis of the scene about which it turns.
+    const fn turn_axis(self) -> Option<usize> {
+        match self {
+            Self::RotationX => Some(0),
+            Self::RotationY => Some(1),
+            Self::RotationZ => Some(2),
+            _ => None,
+        }
+    }
+
+    /// Returns whether it is a rotation, of any kind.
+    pub(in crate::edit) const fn is_rotation(self) -> bool {
+        matches!(self, Self::Rotation) || self.turn_axis().is_some()
+    }
+
+    /// Returns a pin key's value; `None` if it has none.
     #[must_use]
-    fn of(self, key: &PinKey, lines: f64) -> Option<f64> {
+    fn of(self, key: &PinKey, scale: f64) -> Option<f64> {
         let place = match key.goal {
             Goal::Offset(ScreenVector(place)) | Goal::Target(ScreenPoint(place)) => {
-                [Some(place.x * lines), Some(place.y * lines), None]
+                [Some(place.x * scale), Some(place.y * scale), None]
             }
             Goal::SceneOffset(place) | Goal::SceneTarget(place) => place.map(Some),
         };
+        if let Some(axis) = self.axis() {
+            return place[axis];
+        }
         match (self, key.rotate_degrees) {
-            (Self::X, _) => place[0],
-            (Self::Y, _) => place[1],
-            (Self::Z, _) => place[2],
-            (Self::Rotation, Some(Rotation::InView(angle))) => Some(angle),
-            (Self::Rotation, _) => None,
             (Self::Scale, _) => key.scale,
+            (Self::Rotation, Some(Rotation::InView(angle))) => Some(angle),
+            (_, Some(Rotation::Axes(angles))) => Some(angles[self.turn_axis()?]),
+            _ => None,
         }
     }
 
     /// Returns the key with another value, clamped to the valid range.
     #[must_use]
-    fn put(self, key: &PinKey, value: f64, lines: f64) -> PinKey {
+    fn put(self, key: &PinKey, value: f64, scale: f64) -> PinKey {
         let mut key = *key;
-        let height = (value / lines * 1e6).round() / 1e6;
-        let moved = |old: DVec2| match self {
-            Self::X => DVec2::new(height, old.y),
-            _ => DVec2::new(old.x, height),
-        };
-        let in_scene = |mut old: [f64; 3]| {
-            if let Some(axis) = self.axis() {
-                old[axis] = (value * 1e6).round() / 1e6;
-            }
-            old
-        };
-        match (self, key.goal) {
-            (Self::Rotation, _) => key.rotate_degrees = Some(Rotation::InView((value * 1e3).round() / 1e3)),
-            (Self::Scale, _) => key.scale = Some((value.clamp(0.01, 100.0) * 1e4).round() / 1e4),
-            (_, Goal::Offset(offset)) => key.goal = Goal::Offset(ScreenVector(moved(offset.0))),
-            (_, Goal::Target(target)) => key.goal = Goal::Target(ScreenPoint(moved(target.0))),
-            (_, Goal::SceneOffset(offset)) => key.goal = Goal::SceneOffset(in_scene(offset)),
-            (_, Goal::SceneTarget(target)) => key.goal = Goal::SceneTarget(in_scene(target)),
+        if let Some(axis) = self.axis() {
+            key.goal = placed(key.goal, axis, (value, scale));
+        } else if let Some(axis) = self.turn_axis() {
+            let mut angles = if let Some(Rotation::Axes(angles)) = key.rotate_degrees { angles } else { [0.0; 3] };
+            angles[axis] = rounded(value, 1e3);
+            key.rotate_degrees = Some(Rotation::Axes(angles));
+        } else if self == Self::Rotation {
+            key.rotate_degrees = Some(Rotation::InView(rounded(value, 1e3)));
+        } else {
+            key.scale = Some(rounded(value.clamp(0.01, 100.0), 1e4));
         }
         key
     }
 }
 
+/// Returns a goal with another coordinate.
+fn placed(goal: Goal, axis: usize, (value, scale): (f64, f64)) -> Goal {
+    let on_screen = |mut old: DVec2| {
+        if axis < 2 {
+            old[axis] = rounded(value / scale, 1e6);
+        }
+        old
+    };
+    let in_scene = |mut old: [f64; 3]| {
+        old[axis] = rounded(value, 1e6);
+        old
+    };
+    match goal {
+        Goal::Offset(offset) => Goal::Offset(ScreenVector(on_screen(offset.0))),
+        Goal::Target(target) => Goal::Target(ScreenPoint(on_screen(target.0))),
+        Goal::SceneOffset(offset) => Goal::SceneOffset(in_scene(offset)),
+        Goal::SceneTarget(target) => Goal::SceneTarget(in_scene(target)),
+    }
+}
+
+fn rounded(value: f64, parts: f64) -> f64 {
+    (value * parts).round() / parts
+}
+
+/// Returns whether the offsets of a pin on the screen are in sizes of the lattice's box.
+pub(in crate::edit) fn is_in_boxes(pin: &Pin) -> bool {
+    pin.unit == OffsetUnit::Box && pin.keys.first().is_some_and(|key| matches!(key.goal, Goal::Offset(_)))
+}
+
+/// Returns the display units per unit of a position on the screen: the height of the frame in pixels, or a hundred for sizes of
+/// the lattice's box.
+#[must_use]
+pub(in crate::edit) fn display_scale(shot: &Shot, track: Track) -> f64 {
+    let pin = match track {
+        Track::Handle(_) => return 100.0,
+        Track::Pin([layer, pin]) => shot.layers.get(layer).and_then(|layer| layer.pins.get(pin)),
+    };
+    if pin.is_some_and(is_in_boxes) { 100.0 } else { f64::from(shot.size.height) }
+}
+
 /// A key whose values are shown as curves.
 pub(in crate::edit) trait CurveKey: TimedKey {
-    /// Returns its value in a channel; `None` if it has none. `lines`: frame height in pixels.
-    fn value(&self, channel: Channel, lines: f64) -> Option<f64>;
+    /// Returns its value in a channel; `None` if it has none.
+    fn value(&self, channel: Channel, scale: f64) -> Option<f64>;
     /// Returns it with another value, clamped to the valid range.
-    fn with_value(&self, channel: Channel, value: f64, lines: f64) -> Self;
+    fn with_value(&self, channel: Channel, value: f64, scale: f64) -> Self;
 }
 
 impl CurveKey for PinKey {
-    fn value(&self, channel: Channel, lines: f64) -> Option<f64> {
-        channel.of(self, lines)
+    fn value(&self, channel: Channel, scale: f64) -> Option<f64> {
+        channel.of(self, scale)
     }
 
-    fn with_value(&self, channel: Channel, value: f64, lines: f64) -> Self {
-        channel.put(self, value, lines)
+    fn with_value(&self, channel: Channel, value: f64, scale: f64) -> Self {
+        channel.put(self, value, scale)
     }
 }
 
@@ -132,10 +189,10 @@ pub(in crate::edit) fn samples(shot: &Shot, track: Track, channel: Channel, time
     if !has_channel(shot, track, channel) {
         return Vec::new();
     }
-    let lines = f64::from(shot.size.height);
+    let scale = display_scale(shot, track);
     let value = |time: f64| match track {
-        Track::Pin(at) => key_at(shot, at, time)?.value(channel, lines),
-        Track::Handle(at) => handle_key_at(shot, at, time)?.value(channel, lines),
+        Track::Pin(at) => key_at(shot, at, time)?.value(channel, scale),
+        Track::Handle(at) => handle_key_at(shot, at, time)?.value(channel, scale),
     };
     times.iter().filter_map(|&time| Some([time, value(time)?])).collect()
 }
@@ -166,10 +223,10 @@ pub struct Tangent {
 
 /// Returns the tangents of a channel at the keys of some times.
 #[must_use]
-pub(in crate::edit) fn tangents<K: CurveKey>(keys: &[K], times: &[f64], channel: Channel, lines: f64) -> Vec<Tangent> {
+pub(in crate::edit) fn tangents<K: CurveKey>(keys: &[K], times: &[f64], channel: Channel, scale: f64) -> Vec<Tangent> {
     let mut found = Vec::new();
     for pair in keys.windows(2) {
-        let ends = [0, 1].map(|end| Some([pair[end].time(), pair[end].value(channel, lines)?]));
+        let ends = [0, 1].map(|end| Some([pair[end].time(), pair[end].value(channel, scale)?]));
         let ([Some(start), Some(end)], Some(controls)) = (ends, controls(pair[0].ease())) else { continue };
         for control in [0, 1].into_iter().filter(|&control| times.contains(&pair[control].time())) {
             let part = |axis: usize| start[axis] + controls[2 * control + axis] * (end[axis] - start[axis]);
@@ -185,11 +242,11 @@ pub(in crate::edit) fn bent<K: CurveKey>(
     keys: &[K],
     (key, control): (f64, usize),
     channel: Channel,
-    ([time, value], lines): ([f64; 2], f64),
+    ([time, value], scale): ([f64; 2], f64),
 ) -> Option<Ease> {
     let pair = keys.windows(2).find(|pair| pair[0].time() == key)?;
     let mut controls = controls(pair[0].ease())?;
-    let (start, end) = (pair[0].value(channel, lines)?, pair[1].value(channel, lines)?);
+    let (start, end) = (pair[0].value(channel, scale)?, pair[1].value(channel, scale)?);
     let round = |value: f64| (value * 1e3).round() / 1e3;
     controls[2 * control] = round(((time - pair[0].time()) / (pair[1].time() - pair[0].time())).clamp(0.0, 1.0));
     // Between equal values the tangents are always flat.
@@ -215,14 +272,14 @@ pub(in crate::edit) fn with_key_moved<K: CurveKey>(
     keys: &[K],
     from: f64,
     channel: Channel,
-    ([time, value], lines): ([f64; 2], f64),
+    ([time, value], scale): ([f64; 2], f64),
 ) -> Option<(Vec<K>, f64)> {
     let place = keys.iter().position(|key| key.time() == from)?;
     let before = place.checked_sub(1).map_or(f64::NEG_INFINITY, |place| keys[place].time());
     let after = keys.get(place + 1).map_or(f64::INFINITY, TimedKey::time);
     let time = if time > before && time < after { time } else { from };
     let rest = if keys.len() > 1 { KeyEdit::Remove.apply(keys, &[from]) } else { Vec::new() };
-    Some((with_key(&rest, keys[place].with_value(channel, value, lines).at(time)), time))
+    Some((with_key(&rest, keys[place].with_value(channel, value, scale).at(time)), time))
 }
 
 #[cfg(test)]
@@ -247,6 +304,11 @@ mod tests {
             (Some(25.0), None)
         );
         assert_eq!(Channel::Scale.put(&key(1.0, 0.0), -3.0, 100.0).scale, Some(0.01));
+        let turned = PinKey { rotate_degrees: Some(Rotation::Axes([10.0, 20.0, 30.0])), ..key(1.0, 0.0) };
+        let put = Channel::RotationY.put(&turned, -75.0, 100.0);
+        assert_eq!(put.rotate_degrees, Some(Rotation::Axes([10.0, -75.0, 30.0])));
+        assert_eq!((Channel::RotationY.of(&put, 100.0), Channel::Rotation.of(&put, 100.0)), (Some(-75.0), None));
+        assert_eq!(Channel::RotationX.of(&key(1.0, 0.0), 100.0), None);
     }
 
     #[test]

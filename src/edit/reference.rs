@@ -1,7 +1,7 @@
-//! A reference picture above or below the frame, for matching by eye, such as a director's draw-over. It belongs to the
+//! Reference pictures above or below the frame, for matching by eye, such as a director's draw-over. They belong to the
 //! window, not to the shot.
 //!
-//! In: a picture or a sequence. Out: the decoded picture of a frame.
+//! In: pictures or sequences. Out: their decoded pictures of a frame.
 
 use super::EditError;
 use super::picture::{Picture, Quality};
@@ -35,6 +35,24 @@ impl Reference {
         let file = reference.file_of(frame)?;
         reference.load(&file)?;
         Ok(reference)
+    }
+
+    /// Returns whether it shows this picture or sequence.
+    pub(crate) fn is_of(&self, path: &Path) -> bool {
+        self.path == path
+    }
+
+    /// Forgets what was decoded, because the file may have changed.
+    pub(crate) fn read_again(&mut self) {
+        self.loaded = None;
+    }
+
+    /// Returns the name of its file.
+    #[must_use]
+    pub(crate) fn name(&self) -> String {
+        self.path
+            .file_name()
+            .map_or_else(|| self.path.display().to_string(), |name| name.to_string_lossy().into_owned())
     }
 
     /// Returns the picture of a frame; `None` if the sequence lacks it.

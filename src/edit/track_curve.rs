@@ -8,36 +8,36 @@ use super::track_keys::{KeyEdit, TrackKeys};
 impl TrackKeys {
     /// Returns the values of the keys in a channel as (time, value).
     #[must_use]
-    pub(in crate::edit) fn values(&self, channel: Channel, lines: f64) -> Vec<[f64; 2]> {
-        fn of<K: CurveKey>(keys: &[K], channel: Channel, lines: f64) -> Vec<[f64; 2]> {
-            keys.iter().filter_map(|key| Some([key.time(), key.value(channel, lines)?])).collect()
+    pub(in crate::edit) fn values(&self, channel: Channel, scale: f64) -> Vec<[f64; 2]> {
+        fn of<K: CurveKey>(keys: &[K], channel: Channel, scale: f64) -> Vec<[f64; 2]> {
+            keys.iter().filter_map(|key| Some([key.time(), key.value(channel, scale)?])).collect()
         }
         match self {
-            Self::Pin(keys) => of(keys, channel, lines),
-            Self::Handle(keys) => of(keys, channel, lines),
+            Self::Pin(keys) => of(keys, channel, scale),
+            Self::Handle(keys) => of(keys, channel, scale),
         }
     }
 
     /// Returns the keys with those at some times changed by an amount in a channel.
     #[must_use]
-    pub(in crate::edit) fn raised(&self, times: &[f64], channel: Channel, (by, lines): (f64, f64)) -> Self {
-        fn of<K: CurveKey>(keys: &[K], times: &[f64], channel: Channel, (by, lines): (f64, f64)) -> Vec<K> {
-            let raised = |key: &K| Some(key.with_value(channel, key.value(channel, lines)? + by, lines));
+    pub(in crate::edit) fn raised(&self, times: &[f64], channel: Channel, (by, scale): (f64, f64)) -> Self {
+        fn of<K: CurveKey>(keys: &[K], times: &[f64], channel: Channel, (by, scale): (f64, f64)) -> Vec<K> {
+            let raised = |key: &K| Some(key.with_value(channel, key.value(channel, scale)? + by, scale));
             let change = |key: &K| raised(key).filter(|_| times.contains(&key.time())).unwrap_or(*key);
             keys.iter().map(change).collect()
         }
         match self {
-            Self::Pin(keys) => Self::Pin(of(keys, times, channel, (by, lines))),
-            Self::Handle(keys) => Self::Handle(of(keys, times, channel, (by, lines))),
+            Self::Pin(keys) => Self::Pin(of(keys, times, channel, (by, scale))),
+            Self::Handle(keys) => Self::Handle(of(keys, times, channel, (by, scale))),
         }
     }
 
     /// Returns the tangents at the keys of some times.
     #[must_use]
-    pub(in crate::edit) fn tangents(&self, times: &[f64], channel: Channel, lines: f64) -> Vec<Tangent> {
+    pub(in crate::edit) fn tangents(&self, times: &[f64], channel: Channel, scale: f64) -> Vec<Tangent> {
         match self {
-            Self::Pin(keys) => tangents(keys, times, channel, lines),
-            Self::Handle(keys) => tangents(keys, times, channel, lines),
+            Self::Pin(keys) => tangents(keys, times, channel, scale),
+            Self::Handle(keys) => tangents(keys, times, channel, scale),
         }
     }
 

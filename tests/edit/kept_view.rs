@@ -2,7 +2,7 @@
 
 use crate::stage::Stage;
 use crate::window::{Window, pointer, settled, window};
-use eframe::egui::{self, Key, Rect, Theme};
+use eframe::egui::{self, Key, Modifiers, Rect, Theme};
 use egui_kittest::kittest::Queryable;
 use std::fs;
 
@@ -68,4 +68,43 @@ fn a_broken_file_is_told_and_replaced_by_the_next_change() {
     window.key_press(Key::A);
     window.run_steps(3);
     assert!(fs::read_to_string(&file).expect("there").contains("\"safe_areas\": true"));
+}
+
+/// The value of the edge of a panel, in points.
+fn points(window: &Window, edge: &str) -> f32 {
+    let value = window.get_by_label(edge).value().expect("screen readers know it");
+    value.trim_end_matches(" points").parse().expect("a number of points")
+}
+
+#[test]
+fn panels_are_resized_by_keyboard_and_by_screen_readers() {
+    let stage = Stage::new();
+    let mut window = opened(&stage);
+    let edges = ["Height of the timeline", "Width of the layers", "Width of the numbers"];
+    let before = edges.map(|edge| points(&window, edge));
+    let margin = left(&window) - before[1];
+    for (edge, key) in edges.into_iter().zip([Key::ArrowUp, Key::ArrowRight, Key::ArrowLeft]) {
+        window.get_by_label(edge).focus();
+        window.run_steps(2);
+        window.key_press(key);
+        window.run_steps(2);
+    }
+    let grown = edges.map(|edge| points(&window, edge));
+    assert!((0..3).all(|edge| grown[edge] == before[edge] + 10.0), "{before:?} to {grown:?}");
+    assert!((left(&window) - grown[1] - margin).abs() < 1.0, "the value is the width");
+    // The last one still has the focus, and stops at its limit.
+    for _ in 0..3 {
+        window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowLeft);
+        window.run_steps(2);
+    }
+    assert_eq!(points(&window, edges[2]), (grown[2] + 150.0).min(420.0));
+    window.get_by_label(edges[1]).decrement_accesskit();
+    window.run_steps(3);
+    let after = edges.map(|edge| points(&window, edge));
+    assert!(after[1] < grown[1] && after[0] == grown[0], "{grown:?} to {after:?}");
+    let labels = crate::window::session(&window).document().history().labels().count();
+    assert_eq!(labels, 0, "arrows nudge nothing meanwhile");
+    drop(window);
+    let window = opened(&stage);
+    assert_eq!(edges.map(|edge| points(&window, edge)), after, "remembered");
 }

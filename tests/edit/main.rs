@@ -4,6 +4,9 @@
 #[path = "../support/tiny.rs"]
 mod tiny;
 
+#[path = "../support/endurance.rs"]
+mod endurance;
+
 mod brush;
 mod foreign;
 mod kept_view;
@@ -12,6 +15,7 @@ mod keys;
 mod model;
 mod panels;
 mod pins;
+mod session_memory;
 mod snapshot;
 mod space;
 mod stage;

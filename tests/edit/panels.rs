@@ -39,8 +39,54 @@ fn of_files_dropped_at_once_one_is_opened_and_a_picture_lies_over_it() {
     window.run_steps(3);
     assert_eq!(session(&window).document().path(), stage.shot());
     let told = session(&window).message().unwrap_or_default().to_owned();
-    assert!(told.contains("draw.####.png lies over the picture"), "{told}");
-    assert!(told.ends_with("Not used: broken.toml, other.png, notes.txt"), "{told}");
+    assert!(told.contains("draw.####.png, other.png lie over the picture"), "{told}");
+    assert!(told.ends_with("Not used: broken.toml, notes.txt"), "{told}");
+    assert_eq!(session(&window).reference_count(), 2);
+}
+
+/// The pictures in the viewport in the order in which they are drawn: height in points, opacity.
+fn drawn_pictures(window: &Window) -> Vec<[f32; 2]> {
+    let mut found = Vec::new();
+    for clipped in &window.output().shapes {
+        if let egui::Shape::Mesh(mesh) = &clipped.shape
+            && mesh.texture_id != egui::TextureId::default()
+        {
+            found.push([mesh.calc_bounds().height(), (f32::from(mesh.vertices[0].color.a()) / 2.55).round() / 100.0]);
+        }
+    }
+    found
+}
+
+#[test]
+fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
+    let stage = Stage::new();
+    let [low, high] = ["low.png", "high.png"].map(|name| stage.folder.path().join(name));
+    for path in [&low, &high] {
+        write_png(path, &Preview::transparent(16, 9)).expect("written");
+    }
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let [[frame, _]] = drawn_pictures(&window)[..] else { panic!("the frame alone") };
+    for path in [&low, &high, &low] {
+        let editor = window.state_mut().as_mut().and_then(|editor| editor.session_mut());
+        editor.expect("a shot is open").add_reference(path).expect("a picture");
+    }
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    assert_eq!(drawn_pictures(&window), [[frame, 1.0], [frame, 0.5], [frame, 0.5]], "what is there is not added again");
+    let number = |window: &Window, label: &str, value: f64| {
+        window.get_all_by_label(label).next().expect("it is there").set_value_accesskit(value);
+    };
+    number(&window, "Opacity of low.png", 0.2);
+    number(&window, "Size of high.png", 0.5);
+    window.get_by_label("low.png above the frame").click();
+    window.run_steps(3);
+    assert_eq!(drawn_pictures(&window), [[frame, 0.2], [frame, 1.0], [0.5 * frame, 0.5]]);
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    window.get_by_label("Remove low.png").click();
+    window.run_steps(3);
+    assert_eq!(drawn_pictures(&window), [[frame, 1.0], [0.5 * frame, 0.5]]);
 }
 
 fn key(window: &mut Window, key: Key, pressed: bool) {
@@ -149,4 +195,42 @@ fn a_key_is_bound_anew_in_the_list() {
     window.run_steps(3);
     assert!(window.query_by_label_contains("both 'key' and 'fit'").is_some(), "a clash is told");
     assert_eq!(fs::read_to_string(stage.state().join("keys.json")).expect("as before"), kept);
+}
+
+#[test]
+fn onion_skins_that_are_no_longer_seen_are_freed() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::N);
+    window.run_steps(2);
+    let mut most = 0;
+    for frame in 1..=6 {
+        until(&mut window, "frames around it are drawn", |window| session(window).is_idle());
+        most = most.max(window.ctx.tex_manager().read().num_allocated());
+        assert_eq!(session(&window).playhead.frame(), frame);
+        window.get_by_label("Frame forward").click();
+        window.run_steps(3);
+    }
+    // The letters, the picture, and two frames on either side at most.
+    assert!((3..=6).contains(&most), "{most} textures");
+}
+
+#[test]
+fn numbers_of_a_pin_in_sizes_of_the_box_are_per_cent() {
+    let pin = "coarse on purpose\n\n[[layer.pin]]\nname = \"p\"\nunit = \"box\"\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+               region = { radius = 0.25, rigidity = 1.0 }\nkeys = [{ frame = 1, offset = [0.125, -0.5] }]\n";
+    let stage = Stage::with(pin);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("p").click();
+    window.run_steps(3);
+    for (label, value) in [("Offset x", "12.5 %"), ("Offset y", "-50 %"), ("Radius", "25 %")] {
+        let shown: Vec<String> = window.query_all_by_label(label).filter_map(|node| node.value()).collect();
+        let is_said = |text: &String| text.replace(".0", "").replace('\u{2212}', "-") == value;
+        assert!(shown.iter().any(is_said), "{label}: {shown:?}");
+    }
+    window.key_press(Key::C);
+    window.run_steps(3);
+    assert!(window.query_by_label("x, % of the box").is_some() && window.query_by_label("x, px").is_none());
 }

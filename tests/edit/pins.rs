@@ -1,6 +1,6 @@
 //! What a pin can be told beside where it goes: weight, rest, stiffness, its other side; and what becomes of keys and handles.
 
-use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin};
+use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
 use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
 use pinwarp::shot::{Goal, Pin};
 
@@ -207,4 +207,31 @@ fn a_pin_is_mirrored_once_even_into_another_layer() {
     // What is deleted takes its follower along.
     session.delete_pins();
     assert_eq!(session.document().shot().layers.iter().map(|layer| layer.pins.len()).collect::<Vec<_>>(), [0, 0]);
+}
+
+#[test]
+fn a_click_right_after_a_drag_or_another_frame_places_a_pin_where_it_is_seen() {
+    let (_stage, mut session) = Stage::open();
+    place_pin(&mut session, at(0.3, 0.5));
+    let count = |session: &Session| session.document().shot().layers[0].pins.len();
+    // The worker has solved the drag alone when it is asked.
+    press(&mut session, at(0.3, 0.5));
+    let before = session.solve().cloned().expect("solved");
+    session.motion(at(0.3, 0.52));
+    until(&mut session, "the drag is solved", |session| {
+        session.solve().is_some_and(|now| !std::sync::Arc::ptr_eq(now, &before))
+    });
+    session.release();
+    press(&mut session, at(0.6, 0.5));
+    session.release();
+    until(&mut session, "a pin is placed", |session| count(session) == 2);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    // The card moves from frame to frame, so its point under the pen is another one.
+    session.go(6);
+    press(&mut session, at(0.7, 0.4));
+    session.release();
+    until(&mut session, "a pin is placed", |session| count(session) == 3);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let mark = session.marks()[0].pins[2].clone();
+    assert!((mark.target.0 - glam::DVec2::new(0.7, 0.4)).length() < 1e-4, "{mark:?}");
 }

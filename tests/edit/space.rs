@@ -123,3 +123,47 @@ fn a_pin_in_the_scene_is_turned_by_a_ring_about_each_axis() {
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     assert_ne!(session.picture().expect("drawn").rgba, before);
 }
+
+#[test]
+fn rotations_about_three_axes_have_curves() {
+    let pin = "\n[[layer.pin]]\nname = \"p\"\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+               keys = [{ frame = 1, offset = [0.0, 0.0, 0.0], rotate = [10.0, 20.0, 30.0], ease = \"linear\" },\
+               { frame = 5, offset = [0.0, 0.0, 0.0], rotate = [50.0, 20.0, -30.0] }]\n";
+    let stage = Stage::new();
+    let mut session = in_scene(&stage, pin);
+    let axes = [Channel::RotationX, Channel::RotationY, Channel::RotationZ];
+    let values = |session: &Session| axes.map(|axis| session.curve_keys([0, 0], axis));
+    assert_eq!(values(&session), [[[1.0, 10.0], [5.0, 50.0]], [[1.0, 20.0], [5.0, 20.0]], [[1.0, 30.0], [5.0, -30.0]]]);
+    assert!(session.curve_keys([0, 0], Channel::Rotation).is_empty(), "it has no angle in the view");
+    let halfway = axes.map(|axis| session.curve([0, 0], axis, &[3.0])[0][1]);
+    assert!((halfway[0] - 30.0).abs() < 1e-6 && halfway[2].abs() < 1e-6, "{halfway:?}");
+    session.move_curve_key(([0, 0], 5.0), Channel::RotationX, [4.0, -15.0]);
+    session.raise_keys(Channel::RotationZ, 2.0);
+    let keys = session.document().shot().layers[0].pins[0].keys.clone();
+    assert_eq!((keys[1].frame, keys[1].rotate_degrees), (4.0, Some(Rotation::Axes([-15.0, 20.0, -28.0]))));
+    assert_eq!(keys[0].rotate_degrees, Some(Rotation::Axes([10.0, 20.0, 30.0])));
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+}
+
+#[test]
+fn numbers_in_sizes_of_the_box_are_per_cent_and_regions_keep_their_unit() {
+    let pin = "coarse on purpose\n\n[[layer.pin]]\nname = \"p\"\nunit = \"box\"\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+               region = { radius = 0.25, rigidity = 1.0 }\nkeys = [{ frame = 1, offset = [0.125, -0.5] }]\n";
+    let stage = Stage::with(pin);
+    let mut session = stage.session();
+    assert_eq!(session.curve_keys([0, 0], Channel::X), [[1.0, 12.5]]);
+    session.move_curve_key(([0, 0], 1.0), Channel::Y, [1.0, 20.0]);
+    let own = |session: &Session| session.document().shot().layers[0].pins[0].clone();
+    assert_eq!(own(&session).keys[0].goal, Goal::Offset(pinwarp::space::ScreenVector::new(0.125, 0.2)));
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    // Half a frame height from the point at rest, in diagonals of the box.
+    let (marks, mark) = (session.marks()[0].clone(), session.marks()[0].pins[0].clone());
+    let diagonal = marks.rest_box.expect("on the screen").upright.size().length();
+    let ring = Ring { radius: 9.0, reach: 0.0 };
+    session.press(mark.target, (REACH, ring), Held { part: pinwarp::edit::PinPart::Radius, ..Held::default() });
+    session.motion(at(mark.rest.0.x, mark.rest.0.y + 0.5));
+    session.release();
+    let radius = own(&session).region.expect("a region").radius;
+    assert!((radius - 0.5 / diagonal).abs() < 1e-3, "{radius} of {diagonal}");
+    assert!((radius - 0.5).abs() > 5e-3, "the box is no frame height across: {diagonal}");
+}

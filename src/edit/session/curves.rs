@@ -3,7 +3,7 @@
 //! In: pins and handles, channels, positions in the curve view. Out: values; one document change per drag.
 
 use super::Session;
-use crate::edit::curve::{Channel, Tangent, has_channel, samples};
+use crate::edit::curve::{Channel, Tangent, display_scale, has_channel, samples};
 use crate::edit::track_keys::{Track, TrackKeys};
 use crate::shot::PinKey;
 
@@ -19,7 +19,7 @@ impl Session {
     pub fn curve_keys(&self, track: impl Into<Track>, channel: Channel) -> Vec<[f64; 2]> {
         let track = track.into();
         let keys = track.keys(self.shot()).filter(|_| has_channel(self.shot(), track, channel));
-        keys.map_or_else(Vec::new, |keys| keys.values(channel, self.lines()))
+        keys.map_or_else(Vec::new, |keys| keys.values(channel, display_scale(self.shot(), track)))
     }
 
     /// Returns the tangents of the selected keys of a pin or handle.
@@ -27,14 +27,15 @@ impl Session {
     pub fn tangents(&self, track: impl Into<Track>, channel: Channel) -> Vec<Tangent> {
         let track = track.into();
         let keys = track.keys(self.shot()).filter(|_| has_channel(self.shot(), track, channel));
-        keys.map_or_else(Vec::new, |keys| keys.tangents(&self.selection.times_of(track), channel, self.lines()))
+        let (times, scale) = (self.selection.times_of(track), display_scale(self.shot(), track));
+        keys.map_or_else(Vec::new, |keys| keys.tangents(&times, channel, scale))
     }
 
     /// Moves the end of a tangent to (time, value).
     pub fn bend_curve(&mut self, track: impl Into<Track>, tangent: (f64, usize), channel: Channel, to: [f64; 2]) {
         let track = track.into();
-        let lines = self.lines();
-        let bent = track.keys(self.shot()).and_then(|keys| keys.bent(tangent, channel, (to, lines)));
+        let scale = display_scale(self.shot(), track);
+        let bent = track.keys(self.shot()).and_then(|keys| keys.bent(tangent, channel, (to, scale)));
         let Some(keys) = bent else { return };
         self.write_keys("Bend curve", &[(track, keys)], Some(&format!("bend {track:?} {tangent:?}")));
     }
@@ -43,9 +44,9 @@ impl Session {
     pub fn free_channel(&mut self, at: [usize; 2], channel: Channel) {
         let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
         let free = |key: &PinKey| match channel {
-            Channel::Rotation => PinKey { rotate_degrees: None, ..*key },
             Channel::Scale => PinKey { scale: None, ..*key },
-            Channel::X | Channel::Y | Channel::Z => *key,
+            _ if channel.is_rotation() => PinKey { rotate_degrees: None, ..*key },
+            _ => *key,
         };
         let keys = pin.keys.iter().map(free).collect();
         self.write_keys("Free pin", &[(at.into(), TrackKeys::Pin(keys))], None);
@@ -54,16 +55,11 @@ impl Session {
     /// Moves a key to another time and value in a channel; keys cannot pass each other. One drag is one undo step.
     pub fn move_curve_key(&mut self, (track, from): (impl Into<Track>, f64), channel: Channel, to: [f64; 2]) {
         let track = track.into();
-        let lines = self.lines();
-        let moved = track.keys(self.shot()).and_then(|keys| keys.moved(from, channel, (to, lines)));
+        let scale = display_scale(self.shot(), track);
+        let moved = track.keys(self.shot()).and_then(|keys| keys.moved(from, channel, (to, scale)));
         let Some((keys, time)) = moved else { return };
         if self.write_keys("Move key", &[(track, keys)], Some(&format!("curve {track:?} {channel:?}"))) {
             self.selection.keys = vec![(track, time)];
         }
-    }
-
-    /// Returns the height of the frame in pixels.
-    pub(super) fn lines(&self) -> f64 {
-        f64::from(self.shot().size.height)
     }
 }

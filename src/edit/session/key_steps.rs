@@ -3,7 +3,7 @@
 //! In: a pin or handle, a direction. Out: selected keys; one document change per run of steps.
 
 use super::Session;
-use crate::edit::curve::Channel;
+use crate::edit::curve::{Channel, display_scale, is_in_boxes};
 use crate::edit::track_keys::{KeyEdit, Track};
 use crate::shot::{Goal, OffsetUnit};
 
@@ -63,10 +63,11 @@ impl Session {
     /// Raises the selected keys in a channel by a number of its smallest steps. Consecutive changes are one undo step.
     pub fn raise_keys(&mut self, channel: Channel, steps: f64) {
         let Some(&(track, _)) = self.selection.keys.last() else { return self.say("No key is selected.") };
-        let (by, lines) = (steps * self.unit_of(track, channel).step(), self.lines());
+        let by = steps * self.unit_of(track, channel).step();
         let tracks: Vec<Track> = self.selection.keyed().into_iter().collect();
         let series = format!("raise keys {tracks:?} {channel:?}");
-        self.change_keys("Change keys", Some(&series), |keys, times| keys.raised(times, channel, (by, lines)));
+        let scale = display_scale(self.shot(), track);
+        self.change_keys("Change keys", Some(&series), |keys, times| keys.raised(times, channel, (by, scale)));
     }
 
     /// Returns the unit in which a channel of a pin or handle is shown.
@@ -79,7 +80,8 @@ impl Session {
         let key = pin.and_then(|pin| Some((pin.unit, pin.keys.first()?.goal)));
         match (channel, key) {
             (Channel::Scale, _) => CurveUnit::Factor,
-            (Channel::Rotation, _) => CurveUnit::Degrees,
+            _ if channel.is_rotation() => CurveUnit::Degrees,
+            _ if pin.is_some_and(is_in_boxes) => CurveUnit::Percent,
             (_, Some((_, Goal::SceneTarget(_)) | (OffsetUnit::Frame, Goal::SceneOffset(_)))) => CurveUnit::Metres,
             (_, Some((OffsetUnit::Box, Goal::SceneOffset(_)))) => CurveUnit::Boxes,
             _ => CurveUnit::Pixels,

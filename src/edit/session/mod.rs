@@ -13,6 +13,8 @@ mod keying;
 mod painting;
 mod placing;
 mod pointer;
+mod references;
+mod regions;
 mod render_run;
 mod rings;
 mod selection;
@@ -102,8 +104,8 @@ pub struct Session {
     run: Option<RenderRun>,
     /// Receives the output of a running export.
     export: Option<std::sync::mpsc::Receiver<String>>,
-    /// The reference picture.
-    pub(crate) reference: Option<Reference>,
+    /// The reference pictures, the first one at the bottom.
+    pub(crate) references: Vec<Reference>,
     next_question: u64,
 }
 
@@ -145,7 +147,7 @@ impl Session {
             copied: Vec::new(),
             run: None,
             export: None,
-            reference: None,
+            references: Vec::new(),
             next_question: 0,
         };
         session.refresh(Purpose::Look);

@@ -82,11 +82,12 @@ impl Session {
     }
 
     fn ask_under_brush(&mut self, points: &[ScreenPoint]) {
+        let (frame, mirrors) = (self.playhead.frame(), self.mirrors);
         let Gesture::Paint(painting) = &mut self.gesture else { return };
         for &at in points {
             painting.asked_at = at;
             painting.waiting += 1;
-            self.worker.ask(Question::Brush { id: painting.id, at, mirrors: self.mirrors });
+            self.worker.ask(Question::Brush { id: painting.id, frame, at, mirrors });
         }
     }
 

@@ -25,7 +25,7 @@ impl Session {
     /// Asks the worker what surface lies under the pointer.
     pub(super) fn ask_for_point(&mut self, at: ScreenPoint) -> u64 {
         self.next_question += 1;
-        self.worker.ask(Question::Point { id: self.next_question, at });
+        self.worker.ask(Question::Point { id: self.next_question, frame: self.playhead.frame(), at });
         self.next_question
     }
 

@@ -82,6 +82,9 @@ impl Session {
                 self.selection.pins.remove(&pin);
                 return;
             }
+            if held.part == PinPart::Radius && self.radius_per_height(pin).is_none() {
+                return self.say("The size of this region cannot be seen here: type its radius.");
+            }
             self.gesture = match held.part {
                 PinPart::Target => Gesture::Drag { from: at, base, has_moved: false },
                 PinPart::Radius => Gesture::Region { pin, rest, base },
@@ -171,6 +174,7 @@ impl Session {
             Gesture::Region { pin: [layer, pin], rest, base } => {
                 let radius = (to - *rest).0.length().clamp(RADII[0], RADII[1]);
                 let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
+                let radius = radius * self.radius_per_height([layer, pin]).unwrap_or(1.0);
                 let own = &mut shot.layers[layer].pins[pin];
                 let old = own.region.unwrap_or(PinRegion { radius, rigidity: 1.0, stiffness: 1.0 });
                 own.region = Some(PinRegion { radius: (radius * 1e4).round() / 1e4, ..old });
@@ -179,8 +183,9 @@ impl Session {
             Gesture::Stiffness { pin: [layer, pin], from, base } => {
                 let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
                 let tens = (to - *from).0.y * STIFFNESS_PER_HEIGHT;
+                let radius = USUAL_RADIUS * self.radius_per_height([layer, pin]).unwrap_or(1.0);
                 let own = &mut shot.layers[layer].pins[pin];
-                let old = own.region.unwrap_or(PinRegion { radius: USUAL_RADIUS, rigidity: 0.0, stiffness: 1.0 });
+                let old = own.region.unwrap_or(PinRegion { radius, rigidity: 0.0, stiffness: 1.0 });
                 let stiffness = (old.stiffness * 10.0_f64.powf(tens)).clamp(STIFFNESSES[0], STIFFNESSES[1]);
                 let stiffness = (stiffness * 1e2).round() / 1e2;
                 own.region = Some(PinRegion { stiffness, ..old });
@@ -401,7 +406,7 @@ impl Session {
     }
 
     /// Returns what a movement on the screen means in the unit of a pin.
-    fn scale_of(&self, [layer, pin]: [usize; 2]) -> PinScale {
+    pub(super) fn scale_of(&self, [layer, pin]: [usize; 2]) -> PinScale {
         let Some(marks) = self.marks_of(layer) else { return PinScale::default() };
         let steps = marks.pins.iter().find(|mark| mark.pin == pin).and_then(|mark| mark.steps);
         PinScale { rest_box: marks.rest_box, steps }

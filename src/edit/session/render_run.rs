@@ -67,7 +67,7 @@ impl Session {
         }
     }
 
-    /// Lays the frames of the last render over the picture, as the reference.
+    /// Lays the frames of the last render over the picture, as a reference.
     pub fn look_at_render(&mut self) {
         let frame = self.playhead.frame();
         let pattern = self.document.shot().output.path.clone();
@@ -76,8 +76,8 @@ impl Session {
         match opened {
             Ok(mut reference) => {
                 reference.opacity = 1.0;
-                self.reference = Some(reference);
-                self.say("The rendered frames lie over the picture; View, Remove the reference takes them away.");
+                self.put_reference(&pattern, reference);
+                self.say("The rendered frames lie over the picture; View, Reference pictures takes them away.");
             }
             Err(error) => self.say(error.to_string()),
         }

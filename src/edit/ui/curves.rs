@@ -42,7 +42,7 @@ impl Kind {
     const fn channels(self) -> &'static [Channel] {
         match self {
             Self::Place => &[Channel::X, Channel::Y, Channel::Z],
-            Self::Rotation => &[Channel::Rotation],
+            Self::Rotation => &[Channel::Rotation, Channel::RotationX, Channel::RotationY, Channel::RotationZ],
             Self::Scale => &[Channel::Scale],
         }
     }
@@ -266,9 +266,9 @@ fn axis_of(curves: &[Curve], rect: Rect) -> Axis {
 
 const fn color(channel: Channel) -> Color32 {
     match channel {
-        Channel::X => Color32::from_rgb(226, 92, 80),
-        Channel::Y => Color32::from_rgb(96, 176, 88),
-        Channel::Z | Channel::Rotation => Color32::from_rgb(92, 146, 226),
+        Channel::X | Channel::RotationX => Color32::from_rgb(226, 92, 80),
+        Channel::Y | Channel::RotationY => Color32::from_rgb(96, 176, 88),
+        Channel::Z | Channel::Rotation | Channel::RotationZ => Color32::from_rgb(92, 146, 226),
         Channel::Scale => Color32::from_rgb(196, 140, 220),
     }
 }

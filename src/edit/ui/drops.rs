@@ -1,9 +1,9 @@
 //! Files dropped on the window.
 //!
-//! In: the files of a pass. Out: an open document, a reference picture, a message about what was not used.
+//! In: the files of a pass. Out: an open document, reference pictures, a message about what was not used.
 
 use super::editor::{Deferred, Editor};
-use crate::edit::{Dropped, EditError, Reference};
+use crate::edit::{Dropped, EditError};
 use crate::shot::Source;
 use eframe::egui;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ impl Editor {
         }
     }
 
-    /// Opens the first file that can be opened, and lays the first picture beside it over the frame.
+    /// Opens the first file that can be opened, and lays the pictures beside it over the frame.
     pub(super) fn open_files(&mut self, ctx: &egui::Context, files: Dropped) {
         let Dropped { candidates, pictures, others } = files;
         let mut fault: Option<EditError> = None;
@@ -48,21 +48,21 @@ impl Editor {
             }
             return;
         };
-        let mut pictures = pictures.into_iter();
-        let mut told = Vec::new();
-        if let Some(picture) = pictures.next() {
-            match Reference::open(&picture, session.playhead.frame()) {
-                Ok(reference) => {
-                    session.reference = Some(reference);
-                    told.push(format!("{} lies over the picture (View: opacity, place).", name(&picture)));
-                }
+        let (mut told, mut laid) = (Vec::new(), Vec::new());
+        for picture in pictures {
+            match session.add_reference(&picture) {
+                Ok(()) => laid.push(name(&picture)),
                 Err(error) => {
                     told.push(error.to_string());
                     unused.push(picture);
                 }
             }
         }
-        unused.extend(pictures.chain(others));
+        if !laid.is_empty() {
+            let verb = if laid.len() == 1 { "lies" } else { "lie" };
+            told.insert(0, format!("{} {verb} over the picture (View: opacity, place).", laid.join(", ")));
+        }
+        unused.extend(others);
         // The scene of a shot that was dropped with it is used.
         if let Source::Scene(scene) = &session.document().shot().source {
             unused.retain(|path| path.file_name() != scene.file_name());

@@ -7,13 +7,8 @@ use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
-use super::{
-    bundled, dialogs, inspector, key_window, keys, layers, menus, nudges, start, theme, tour_window, viewport,
-};
-use crate::edit::{
-    Action, DiskChange, Document, Dropped, EditError, PanelSizes, Reference, Session, Shortcuts, Tour, Unfinished,
-    unfinished,
-};
+use super::{bundled, dialogs, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport};
+use crate::edit::{Action, DiskChange, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
@@ -90,7 +85,7 @@ impl Editor {
     }
 
     /// Returns the open session mutably, for tests and scripts.
-    pub(crate) const fn session_mut(&mut self) -> Option<&mut Session> {
+    pub const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
 
@@ -159,28 +154,9 @@ impl Editor {
                 self.start(&ctx, shown.inner);
             }
             Some(session) => {
-                Panel::bottom("hint").exact_size(26.0).show(ui, |ui| menus::hint(ui, session));
-                // A small window leaves room for the picture.
-                let window = ctx.content_rect().size();
-                let height = (0.25 * window.y).clamp(130.0, 220.0);
-                let width = (0.19 * window.x).clamp(200.0, 262.0);
                 let kept = self.view.settings.panels;
-                let panel = Panel::bottom("timeline").resizable(true).default_size(kept.timeline.unwrap_or(height));
-                let timeline = panel.size_range(110.0..=520.0).show(ui, |ui| {
-                    ui.add_space(3.0);
-                    self.timeline.show(ui, session, now);
-                });
-                let side = |panel: Panel, size: Option<f32>| {
-                    panel.default_size(size.unwrap_or(width)).size_range(200.0..=420.0)
-                };
-                let layers = side(Panel::left("layers"), kept.layers).show(ui, |ui| layers::show(ui, session));
-                let inspector = side(Panel::right("pin"), kept.inspector).show(ui, |ui| inspector::show(ui, session));
-                let sizes = PanelSizes {
-                    timeline: Some(timeline.response.rect.height()),
-                    layers: Some(layers.response.rect.width()),
-                    inspector: Some(inspector.response.rect.width()),
-                };
-                self.view.see_panels(&ctx, sizes);
+                let (sizes, is_resized) = panels::show(ui, session, (&mut self.timeline, now), kept);
+                self.view.see_panels(sizes, is_resized);
                 let central = CentralPanel::no_frame().frame(Frame::NONE);
                 central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
                 nudges::show(&ctx, session);
@@ -320,10 +296,11 @@ impl Editor {
                     self.show_error(&error);
                 }
             }
-            (Purpose::Reference, Some(session)) => match Reference::open(path, session.playhead.frame()) {
-                Ok(reference) => session.reference = Some(reference),
-                Err(error) => session.say(error.to_string()),
-            },
+            (Purpose::Reference, Some(session)) => {
+                if let Err(error) = session.add_reference(path) {
+                    session.say(error.to_string());
+                }
+            }
             (_, None) => {}
         }
     }

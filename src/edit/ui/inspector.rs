@@ -8,7 +8,6 @@ use crate::pipeline::{FrameReport, LayerReport};
 use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
 use eframe::egui::{self, Color32, DragValue, Grid, RichText, ScrollArea, Ui};
-use glam::DVec2;
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -78,21 +77,26 @@ fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
     ui.end_row();
 }
 
-/// Edits a position in pixels.
+/// Edits a position in pixels, or in per cent of the lattice's box.
 fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     let lines = f64::from(session.shot().size.height);
+    let is_box = session.shot().layers[at[0]].pins[at[1]].unit == OffsetUnit::Box;
+    let (scale, unit, hint) = match key.goal {
+        Goal::Offset(_) if is_box => (100.0, " %", "in per cent of the lattice's box"),
+        _ => (lines, " px", "in pixels of the frame"),
+    };
     let (what, old) = match key.goal {
         Goal::Offset(offset) => ("Offset", offset.0),
         Goal::Target(target) => ("Target", target.0),
         Goal::SceneOffset(offset) => return place_in_scene(ui, session, (at, key), ("Offset", offset)),
         Goal::SceneTarget(target) => return place_in_scene(ui, session, (at, key), ("Target", target)),
     };
-    let mut new = old * lines;
-    ui.label(what);
+    let mut new = old * scale;
+    ui.label(what).on_hover_text(hint);
     let is_changed = ui
         .horizontal(|ui| {
             let mut number = |value: &mut f64, name: &str| {
-                ui.add(DragValue::new(value).speed(0.5).max_decimals(1).suffix(" px")).accessible(name).changed()
+                ui.add(DragValue::new(value).speed(0.5).max_decimals(1).suffix(unit)).accessible(name).changed()
             };
             let changed = [number(&mut new.x, &format!("{what} x")), number(&mut new.y, &format!("{what} y"))];
             changed.contains(&true)
@@ -100,7 +104,7 @@ fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
         .inner;
     ui.end_row();
     if is_changed {
-        let rounded = DVec2::new((new.x / lines * 1e6).round() / 1e6, (new.y / lines * 1e6).round() / 1e6);
+        let rounded = (new / scale * 1e6).round() / 1e6;
         let goal = match key.goal {
             Goal::Target(_) => Goal::Target(ScreenPoint(rounded)),
             _ => Goal::Offset(ScreenVector(rounded)),
@@ -204,17 +208,20 @@ fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<
     ui.label("Region");
     let hint = "What moves with the pin, not its point alone; hold R and drag the pin to size it";
     if ui.checkbox(&mut has_region, "takes along").on_hover_text(hint).changed() {
-        let usual = PinRegion { radius: 0.1, rigidity: 1.0, stiffness: 1.0 };
+        let radius = 0.1 * session.radius_per_height(at).unwrap_or(1.0);
+        let usual = PinRegion { radius, rigidity: 1.0, stiffness: 1.0 };
         session.set_region(at, has_region.then_some(usual));
     }
     ui.end_row();
     let Some(old) = region else { return };
     let (mut new, lines) = (old, f64::from(session.shot().size.height));
     ui.label("Radius");
-    let mut radius = old.radius * lines;
-    ui.add(DragValue::new(&mut radius).range(2.0..=4.0 * lines).speed(1.0).max_decimals(0).suffix(" px"))
-        .accessible("Radius");
-    new.radius = radius / lines;
+    let (unit, scale) = session.radius_unit(at).display(lines);
+    let mut radius = old.radius * scale;
+    let (least, decimals) = (scale * 2.0 / lines, if scale == lines { 0 } else { 3 });
+    let number = DragValue::new(&mut radius).range(least..=4.0 * scale.max(old.radius * scale));
+    ui.add(number.speed(scale / lines).max_decimals(decimals).suffix(unit)).accessible("Radius");
+    new.radius = radius / scale;
     ui.end_row();
     ui.label("Rigidity");
     ui.add(egui::Slider::new(&mut new.rigidity, 0.0..=1.0).max_decimals(2)).accessible("Rigidity");

@@ -29,10 +29,9 @@ impl KeptView {
         (Self { path: Some(path), settings, written: settings, seen: PanelSizes::default() }, fault)
     }
 
-    /// Takes the sizes of the panels in this pass. Only what the pointer resizes is remembered; all else follows the
+    /// Takes the sizes of the panels in this pass. Only what the user resizes is remembered; all else follows the
     /// window.
-    pub(super) fn see_panels(&mut self, ctx: &Context, now: PanelSizes) {
-        let is_held = ctx.input(|input| input.pointer.any_down());
+    pub(super) fn see_panels(&mut self, now: PanelSizes, is_resized: bool) {
         let seen = std::mem::replace(&mut self.seen, now);
         let kept = &mut self.settings.panels;
         let sizes = [
@@ -41,7 +40,7 @@ impl KeptView {
             (&mut kept.inspector, seen.inspector, now.inspector),
         ];
         for (kept, seen, now) in sizes {
-            if is_held && seen.is_some() && seen != now {
+            if is_resized && seen.is_some() && seen != now {
                 *kept = now;
             }
         }

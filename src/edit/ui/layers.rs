@@ -163,7 +163,9 @@ fn settings(ui: &mut Ui, session: &mut Session) {
             }
             ui.label("Name");
             let mut name = layer.name.clone();
-            if ui.text_edit_singleline(&mut name).accessible("Layer name").changed() && !name.trim().is_empty() {
+            // A field as wide as the panel would keep the panel from becoming narrower.
+            let field = egui::TextEdit::singleline(&mut name).desired_width(120.0);
+            if ui.add(field).accessible("Layer name").changed() && !name.trim().is_empty() {
                 session.rename_layer(&name);
             }
             ui.end_row();

@@ -2,6 +2,7 @@
 
 use super::accessible::Accessible;
 use super::keys::words;
+use super::references;
 use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
 use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
 
@@ -60,7 +61,7 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
             ui.separator();
             if let Some(session) = session {
                 switches(ui, session, shortcuts);
-                reference(ui, session);
+                references::show(ui, session);
             }
             ui.separator();
             theme(ui);
@@ -129,24 +130,6 @@ fn exports(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-}
-
-/// Shows the settings of the reference picture.
-fn reference(ui: &mut Ui, session: &mut Session) {
-    let Some(reference) = &mut session.reference else { return };
-    ui.separator();
-    ui.strong("Reference");
-    ui.add(egui::Slider::new(&mut reference.opacity, 0.0..=1.0).text("opacity"));
-    ui.checkbox(&mut reference.is_above, "above the frame");
-    ui.horizontal(|ui| {
-        ui.label("Right, up, size");
-        ui.add(egui::DragValue::new(&mut reference.offset[0]).speed(0.002));
-        ui.add(egui::DragValue::new(&mut reference.offset[1]).speed(0.002));
-        ui.add(egui::DragValue::new(&mut reference.scale).range(0.01..=20.0).speed(0.002));
-    });
-    if ui.button("Remove the reference").clicked() {
-        session.reference = None;
-    }
 }
 
 fn onion(ui: &mut Ui, onion: &mut Onion) {

@@ -5,6 +5,7 @@
 use super::brush;
 use super::keys::is_held;
 use super::marks::{Over, RING};
+use super::references;
 use super::theme;
 use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
 use eframe::egui::{
@@ -18,10 +19,19 @@ use std::sync::Arc;
 /// Hit distance of the pointer in points.
 const REACH: f32 = 10.0;
 
+/// What a texture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Seen {
+    Frame,
+    Before,
+    /// A reference picture, by its place.
+    Reference(usize),
+}
+
 /// Textures of the displayed pictures.
 #[derive(Default)]
 pub(super) struct Textures {
-    seen: BTreeMap<&'static str, (Arc<Picture>, TextureHandle)>,
+    seen: BTreeMap<Seen, (Arc<Picture>, TextureHandle)>,
     onion: BTreeMap<i32, (Arc<Picture>, TextureHandle)>,
 }
 
@@ -34,8 +44,8 @@ fn image_of(picture: &Picture) -> ColorImage {
 }
 
 impl Textures {
-    fn of(&mut self, ctx: &egui::Context, name: &'static str, picture: &Arc<Picture>) -> egui::TextureId {
-        match self.seen.get_mut(name) {
+    fn of(&mut self, ctx: &egui::Context, name: Seen, picture: &Arc<Picture>) -> egui::TextureId {
+        match self.seen.get_mut(&name) {
             Some((known, texture)) if Arc::ptr_eq(known, picture) => texture.id(),
             Some((known, texture)) => {
                 texture.set(image_of(picture), TextureOptions::LINEAR);
@@ -43,7 +53,7 @@ impl Textures {
                 texture.id()
             }
             None => {
-                let texture = upload(ctx, name, picture);
+                let texture = upload(ctx, "picture", picture);
                 let id = texture.id();
                 self.seen.insert(name, (Arc::clone(picture), texture));
                 id
@@ -57,6 +67,12 @@ impl Textures {
             self.onion.insert(picture.frame, (Arc::clone(picture), upload(ctx, "onion", picture)));
         }
         self.onion[&picture.frame].1.id()
+    }
+
+    /// Frees the pictures of frames and references that are no longer seen.
+    fn keep(&mut self, frames: &[i32], references: usize) {
+        self.onion.retain(|frame, _| frames.contains(frame));
+        self.seen.retain(|name, _| !matches!(name, Seen::Reference(place) if *place >= references));
     }
 }
 
@@ -190,23 +206,28 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     painter.rect_filled(frame, 0, theme::backdrop(ui.visuals()));
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     let draw = |id: egui::TextureId, tint: Color32| _ = painter.image(id, frame, whole, tint);
-    for (picture, color) in onions(session) {
-        draw(textures.of_frame(ui.ctx(), picture), color);
+    let onions = onions(session);
+    for (picture, color) in &onions {
+        draw(textures.of_frame(ui.ctx(), picture), *color);
     }
-    let reference = reference(ui.ctx(), (frame, lens), session, textures);
-    let draw_reference = |is_above: bool| {
-        if let Some((id, place, color, _)) = reference.filter(|(.., above)| *above == is_above) {
-            painter.image(id, place, whole, color);
+    let seen: Vec<i32> = onions.iter().map(|(picture, _)| picture.frame).collect();
+    let references = references::laid(session, frame, &lens);
+    textures.keep(&seen, references.len());
+    let draw_references = |textures: &mut Textures, is_above: bool| {
+        for (place, laid) in references.iter().enumerate() {
+            let Some(laid) = laid.as_ref().filter(|laid| laid.is_above == is_above) else { continue };
+            let id = textures.of(ui.ctx(), Seen::Reference(place), &laid.picture);
+            painter.image(id, laid.rect, whole, laid.color);
         }
     };
-    draw_reference(false);
+    draw_references(textures, false);
     let is_before = session.shown.wipe == Wipe::Before;
     if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
-        draw(textures.of(ui.ctx(), "picture", picture), Color32::WHITE);
+        draw(textures.of(ui.ctx(), Seen::Frame, picture), Color32::WHITE);
     }
-    draw_reference(true);
+    draw_references(textures, true);
     let Some(before) = session.before().filter(|_| session.shown.wipe != Wipe::Off) else { return };
-    let id = textures.of(ui.ctx(), "before", before);
+    let id = textures.of(ui.ctx(), Seen::Before, before);
     match session.shown.wipe {
         Wipe::At(share) => {
             let x = frame.left() + share * frame.width();
@@ -227,24 +248,6 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
         Wipe::Ghost(opacity) => draw(id, Color32::WHITE.gamma_multiply(opacity)),
         Wipe::Before | Wipe::Off => draw(id, Color32::WHITE),
     }
-}
-
-/// Returns the reference picture: its rectangle, opacity, and whether it lies above.
-fn reference(
-    ctx: &egui::Context,
-    (frame, lens): (Rect, Lens),
-    session: &mut Session,
-    textures: &mut Textures,
-) -> Option<(egui::TextureId, Rect, Color32, bool)> {
-    let number = session.playhead.frame();
-    let reference = session.reference.as_mut()?;
-    let picture = reference.at(number)?;
-    let height = reference.scale * lens.frame_height() as f32;
-    let size = vec2(height * picture.size[0] as f32 / picture.size[1].max(1) as f32, height);
-    let moved = vec2(reference.offset[0], -reference.offset[1]) * lens.frame_height() as f32;
-    let place = Rect::from_center_size(frame.center() + moved, size);
-    let color = Color32::WHITE.gamma_multiply(reference.opacity);
-    Some((textures.of(ctx, "reference", &picture), place, color, reference.is_above))
 }
 
 /// Returns the onion skins, the farthest first, each with its tint.

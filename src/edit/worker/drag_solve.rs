@@ -77,6 +77,11 @@ impl DragSolve {
         &self.sample
     }
 
+    /// Returns a frame as solved last; `None` if another frame is dragged.
+    pub(super) fn sample_of(&self, frame: i32) -> Option<&TimeSample> {
+        (self.frame == frame).then_some(&self.sample)
+    }
+
     /// Whether the pictures of the layers have been drawn.
     pub(super) const fn has_still(&self) -> bool {
         self.still.is_some()

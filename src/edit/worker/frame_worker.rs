@@ -46,8 +46,8 @@ pub(super) struct FrameWorker {
     /// Milliseconds that warping pictures of the layers took last, 0 before.
     still_ms: f64,
     jerk: JerkMeter,
-    /// The last solve, for questions.
-    seen: Option<Arc<TimeSample>>,
+    /// The frame solved last, for questions; `None` if the shot changed since.
+    seen: Option<(i32, Arc<TimeSample>)>,
     watch: FileWatch,
 }
 
@@ -186,7 +186,7 @@ impl FrameWorker {
         let was_settled = prepared.is_settled();
         let sample =
             if was_settled { prepared.mid_exposure(job.frame)? } else { Arc::new(prepared.provisional(job.frame)?) };
-        self.seen = Some(Arc::clone(&sample));
+        self.seen = Some((job.frame, Arc::clone(&sample)));
         self.send_solved(job, (&sample, was_settled), sender);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
         self.draw((job.frame, job), (&sample, &KeptParts::default(), quality), LOOK_MS, sender)?;
@@ -201,7 +201,7 @@ impl FrameWorker {
             }
             sender.send(Reply::Progress(1.0));
             let sample = prepared.mid_exposure(job.frame)?;
-            self.seen = Some(Arc::clone(&sample));
+            self.seen = Some((job.frame, Arc::clone(&sample)));
             self.send_solved(job, (&sample, true), sender);
         }
         let Some(open) = &self.open else { return Ok(false) };
@@ -320,24 +320,37 @@ impl FrameWorker {
 
     /// Shows what is painted, over the frame as it was solved last.
     fn paint(&mut self, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
+        let Some(sample) = self.seen_at(job.frame)? else { return Ok(()) };
         let Some(open) = &self.open else { return Ok(()) };
-        let seen = match &self.seen {
-            Some(seen) => Arc::clone(seen),
-            None => Arc::new(open.prepared().provisional(job.frame)?),
-        };
-        let triangles = open.prepared().stiff_triangles(&seen);
-        self.seen = Some(seen);
+        let triangles = open.prepared().stiff_triangles(&sample);
         sender.send(Reply::Painted { revision: job.revision, frame: job.frame, triangles });
         Ok(())
     }
 
-    fn answer(&self, question: Question) -> Reply {
-        let seen = self.open.as_ref().map(OpenShot::prepared).zip(self.seen.as_ref());
+    /// Returns a frame as it is seen: as solved last, during a drag or before. Solves it if another frame was solved since.
+    fn seen_at(&mut self, frame: i32) -> Result<Option<Arc<TimeSample>>, PipelineError> {
+        let Some(open) = &self.open else { return Ok(None) };
+        if let Some((_, sample)) = self.seen.as_ref().filter(|(known, _)| *known == frame) {
+            return Ok(Some(Arc::clone(sample)));
+        }
+        if let Some(sample) = self.drag.as_ref().and_then(|drag| drag.sample_of(frame)) {
+            return Ok(Some(Arc::new(sample.clone())));
+        }
+        let prepared = open.prepared();
+        let sample =
+            if prepared.is_settled() { prepared.mid_exposure(frame)? } else { Arc::new(prepared.provisional(frame)?) };
+        self.seen = Some((frame, Arc::clone(&sample)));
+        Ok(Some(sample))
+    }
+
+    fn answer(&mut self, question: Question) -> Reply {
+        let sample = self.seen_at(question.frame()).ok().flatten();
+        let seen = self.open.as_ref().map(OpenShot::prepared).zip(sample.as_deref());
         match question {
-            Question::Point { id, at } => {
+            Question::Point { id, at, .. } => {
                 Reply::Picked(id, seen.and_then(|(prepared, sample)| prepared.pick_warped(sample, at)))
             }
-            Question::Brush { id, at, mirrors } => {
+            Question::Brush { id, at, mirrors, .. } => {
                 let point = seen.and_then(|(prepared, sample)| prepared.brush_point(sample, at));
                 let mirrored = point.as_ref().zip(seen.filter(|_| mirrors));
                 let mirrored =

@@ -41,15 +41,24 @@ pub(in crate::edit) enum Purpose {
     Paint,
 }
 
-/// A question asked alongside the picture, about the frame of the newest job. Numbers are returned with the answer.
+/// A question asked alongside the picture, about the frame that is shown. Numbers are returned with the answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::edit) enum Question {
     /// What point of the model is seen at a point of the screen?
-    Point { id: u64, at: ScreenPoint },
+    Point { id: u64, frame: i32, at: ScreenPoint },
     /// What point of the model at rest lies under the brush, and on its other side?
-    Brush { id: u64, at: ScreenPoint, mirrors: bool },
+    Brush { id: u64, frame: i32, at: ScreenPoint, mirrors: bool },
     /// What triangles are painted?
     Painted { revision: u64, frame: i32 },
+}
+
+impl Question {
+    /// Returns the frame that it is about.
+    pub(super) const fn frame(self) -> i32 {
+        match self {
+            Self::Point { frame, .. } | Self::Brush { frame, .. } | Self::Painted { frame, .. } => frame,
+        }
+    }
 }
 
 /// A reply of the worker thread.

@@ -4,7 +4,7 @@
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::prepare::brush_strokes::StrokeCache;
-use crate::pipeline::prepare::symmetry::Symmetry;
+use crate::pipeline::prepare::mirrored_pins::LayerMirror;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
 use crate::pose::Pose;
 use std::collections::{HashMap, VecDeque};
@@ -27,8 +27,8 @@ pub(in crate::pipeline) struct FrameCache {
     pub(in crate::pipeline) rest: OnceLock<Pose>,
     /// What brush strokes cover.
     pub(in crate::pipeline) strokes: StrokeCache,
-    /// Planes of symmetry of layers, at which the brush is mirrored; `None`: there is none.
-    pub(in crate::pipeline) planes: Mutex<HashMap<usize, Option<Symmetry>>>,
+    /// Where the brush is mirrored on layers; `None`: nowhere.
+    pub(in crate::pipeline) mirrors: Mutex<HashMap<usize, Option<LayerMirror>>>,
     /// Bounds of world layers.
     pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.

@@ -101,20 +101,31 @@ fn best_plane(prepared: &PreparedShot, rest: &Pose, layers: [usize; 2]) -> Optio
     Symmetry::of(&RestMesh::of(&prepared.scene, rest, &parts))
 }
 
-/// Returns the plane at which a layer mirrors; `None` if it has none.
-pub(in crate::pipeline) fn plane_of_layer(prepared: &PreparedShot, rest: &Pose, layer: usize) -> Option<Symmetry> {
-    let known = prepared.layer_inputs.planes.get(&[layer; 2]).copied();
-    known.or_else(|| best_plane(prepared, rest, [layer; 2])).filter(|plane| plane.met >= LEAST_MET)
+/// The plane at which a layer at rest mirrors, and the diagonal of its bounds.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::pipeline) struct LayerMirror {
+    plane: Symmetry,
+    diagonal: f64,
+}
+
+impl LayerMirror {
+    /// Finds the plane of a layer; `None` if it has none.
+    pub(in crate::pipeline) fn of(prepared: &PreparedShot, rest: &Pose, layer: usize) -> Option<Self> {
+        let known = prepared.layer_inputs.planes.get(&[layer; 2]).copied();
+        let plane = known.or_else(|| best_plane(prepared, rest, [layer; 2])).filter(|plane| plane.met >= LEAST_MET)?;
+        let own = &prepared.assignment.parts_of_layer[layer];
+        Some(Self { plane, diagonal: RestMesh::of(&prepared.scene, rest, own).diagonal() })
+    }
 }
 
 /// Returns the point of a layer at rest that is the mirror image of a point, and the node that it is on; `None` if nothing is there.
 pub(in crate::pipeline) fn mirrored_point(
     prepared: &PreparedShot,
     rest: &Pose,
-    (layer, plane): (usize, Symmetry),
+    (layer, mirror): (usize, LayerMirror),
     at: DVec3,
 ) -> Option<(DVec3, usize)> {
-    let (own, image) = (&prepared.assignment.parts_of_layer[layer], plane.reflected(at));
+    let (own, image) = (&prepared.assignment.parts_of_layer[layer], mirror.plane.reflected(at));
     let nearest = own.iter().filter_map(|&part| {
         let (gap, triangle, barycentric) = nearest_of(&prepared.scene, &rest.parts[part], image)?;
         Some((gap, part, triangle, barycentric))
@@ -124,8 +135,7 @@ pub(in crate::pipeline) fn mirrored_point(
     let corners = primitive(&prepared.scene, posed).triangles[triangle];
     let place = |corner: u32| posed.positions[corner as usize].0.as_dvec3();
     let found: DVec3 = corners.iter().zip(barycentric).map(|(&corner, weight)| place(corner) * weight).sum();
-    let diagonal = RestMesh::of(&prepared.scene, rest, own).diagonal();
-    (gap <= FAR * diagonal).then_some((found, posed.node))
+    (gap <= FAR * mirror.diagonal).then_some((found, posed.node))
 }
 
 /// Returns the nearest point of a part at rest: distance, triangle and barycentric coordinates.

@@ -2,7 +2,7 @@
 //!
 //! In: a prepared shot, a frame, a point of the screen. Out: the point as strokes of stiffness store it, and the scale there.
 
-use crate::pipeline::prepare::mirrored_pins::{mirrored_point, plane_of_layer};
+use crate::pipeline::prepare::mirrored_pins::{LayerMirror, mirrored_point};
 use crate::pipeline::prepare::rest_mesh::rest_pose;
 use crate::pipeline::{PickedPoint, PreparedShot, TimeSample};
 use crate::screen::primitive;
@@ -48,14 +48,15 @@ impl PreparedShot {
     #[must_use]
     pub fn mirrored_place(&self, layer: usize, place: &PaintedPlace) -> Option<PaintedPlace> {
         let rest = self.cache.rest.get_or_init(|| rest_pose(&self.scene));
-        let known = || self.cache.planes.lock().unwrap_or_else(PoisonError::into_inner);
+        // Both take a pass over the whole layer, and a stroke asks for many points.
+        let known = || self.cache.mirrors.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known().get(&layer).copied();
-        let plane = found.unwrap_or_else(|| {
-            let plane = plane_of_layer(self, rest, layer);
-            known().insert(layer, plane);
-            plane
+        let mirror = found.unwrap_or_else(|| {
+            let mirror = LayerMirror::of(self, rest, layer);
+            known().insert(layer, mirror);
+            mirror
         });
-        let (at, node) = mirrored_point(self, rest, (layer, plane?), DVec3::from(place.at))?;
+        let (at, node) = mirrored_point(self, rest, (layer, mirror?), DVec3::from(place.at))?;
         Some(PaintedPlace { node: self.scene.nodes[node].name.clone(), at: at.to_array() })
     }
 }

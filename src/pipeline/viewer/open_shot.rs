@@ -142,7 +142,7 @@ impl OpenShot {
         let old = std::mem::take(&mut prepared.cache);
         let mut cache = FrameCache::default();
         (cache.world_bounds, cache.rest) = (old.world_bounds, old.rest);
-        (cache.strokes, cache.planes) = (old.strokes, old.planes);
+        (cache.strokes, cache.mirrors) = (old.strokes, old.mirrors);
         if is_scene_still {
             (cache.screen_bounds, cache.picture_changes) = (old.screen_bounds, old.picture_changes);
         }

@@ -1,0 +1,34 @@
+//! The reference pictures over and under the frame.
+//!
+//! In: paths. Out: a list in drawing order, the first one at the bottom.
+
+use super::Session;
+use crate::edit::EditError;
+use crate::edit::reference::Reference;
+use std::path::Path;
+
+impl Session {
+    /// Lays a picture, or a path with a frame counter, over the frame and over the other references. One that is there
+    /// already keeps its place and is read again.
+    ///
+    /// # Errors
+    /// [`EditError`] if it cannot be read.
+    pub fn add_reference(&mut self, path: &Path) -> Result<(), EditError> {
+        let opened = Reference::open(path, self.playhead.frame())?;
+        self.put_reference(path, opened);
+        Ok(())
+    }
+
+    pub(super) fn put_reference(&mut self, path: &Path, opened: Reference) {
+        match self.references.iter_mut().find(|known| known.is_of(path)) {
+            Some(known) => known.read_again(),
+            None => self.references.push(opened),
+        }
+    }
+
+    /// Returns the number of reference pictures.
+    #[must_use]
+    pub const fn reference_count(&self) -> usize {
+        self.references.len()
+    }
+}
