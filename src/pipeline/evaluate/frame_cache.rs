@@ -4,7 +4,7 @@
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::prepare::brush_strokes::StrokeCache;
-use crate::pipeline::prepare::mirrored_pins::LayerMirror;
+use crate::pipeline::prepare::symmetry::LayerMirror;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
 use crate::pose::Pose;
 use std::collections::{HashMap, VecDeque};

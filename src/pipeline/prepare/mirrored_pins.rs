@@ -5,7 +5,7 @@
 use super::anchors::mismatch;
 use super::reflection::MirroredPin;
 use super::rest_mesh::{RestMesh, rest_pose};
-use super::symmetry::Symmetry;
+use super::symmetry::{LayerMirror, Symmetry};
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::pose::{Pose, PosedPart};
 use crate::scene::Scene;
@@ -101,21 +101,12 @@ fn best_plane(prepared: &PreparedShot, rest: &Pose, layers: [usize; 2]) -> Optio
     Symmetry::of(&RestMesh::of(&prepared.scene, rest, &parts))
 }
 
-/// The plane at which a layer at rest mirrors, and the diagonal of its bounds.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::pipeline) struct LayerMirror {
-    plane: Symmetry,
-    diagonal: f64,
-}
-
-impl LayerMirror {
-    /// Finds the plane of a layer; `None` if it has none.
-    pub(in crate::pipeline) fn of(prepared: &PreparedShot, rest: &Pose, layer: usize) -> Option<Self> {
-        let known = prepared.layer_inputs.planes.get(&[layer; 2]).copied();
-        let plane = known.or_else(|| best_plane(prepared, rest, [layer; 2])).filter(|plane| plane.met >= LEAST_MET)?;
-        let own = &prepared.assignment.parts_of_layer[layer];
-        Some(Self { plane, diagonal: RestMesh::of(&prepared.scene, rest, own).diagonal() })
-    }
+/// Returns where a layer at rest mirrors; `None` if it has no plane of symmetry.
+pub(in crate::pipeline) fn mirror_of_layer(prepared: &PreparedShot, rest: &Pose, layer: usize) -> Option<LayerMirror> {
+    let known = prepared.layer_inputs.planes.get(&[layer; 2]).copied();
+    let plane = known.or_else(|| best_plane(prepared, rest, [layer; 2])).filter(|plane| plane.met >= LEAST_MET)?;
+    let own = &prepared.assignment.parts_of_layer[layer];
+    Some(LayerMirror { plane, diagonal: RestMesh::of(&prepared.scene, rest, own).diagonal() })
 }
 
 /// Returns the point of a layer at rest that is the mirror image of a point, and the node that it is on; `None` if nothing is there.

@@ -52,6 +52,14 @@ pub(in crate::pipeline) struct Symmetry {
     pub(in crate::pipeline) met: f64,
 }
 
+/// Where a layer at rest mirrors.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::pipeline) struct LayerMirror {
+    pub(in crate::pipeline) plane: Symmetry,
+    /// Diagonal of the layer's bounds, metres.
+    pub(in crate::pipeline) diagonal: f64,
+}
+
 impl Symmetry {
     /// Returns the reflection of a point.
     pub(in crate::pipeline) fn reflected(&self, point: DVec3) -> DVec3 {

@@ -2,7 +2,7 @@
 //!
 //! In: a prepared shot, a frame, a point of the screen. Out: the point as strokes of stiffness store it, and the scale there.
 
-use crate::pipeline::prepare::mirrored_pins::{LayerMirror, mirrored_point};
+use crate::pipeline::prepare::mirrored_pins::{mirror_of_layer, mirrored_point};
 use crate::pipeline::prepare::rest_mesh::rest_pose;
 use crate::pipeline::{PickedPoint, PreparedShot, TimeSample};
 use crate::screen::primitive;
@@ -52,7 +52,7 @@ impl PreparedShot {
         let known = || self.cache.mirrors.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known().get(&layer).copied();
         let mirror = found.unwrap_or_else(|| {
-            let mirror = LayerMirror::of(self, rest, layer);
+            let mirror = mirror_of_layer(self, rest, layer);
             known().insert(layer, mirror);
             mirror
         });
