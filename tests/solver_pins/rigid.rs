@@ -125,9 +125,31 @@ fn a_turned_problem_has_the_turned_solution() {
     most_agree(&gaps.collect::<Vec<_>>(), RIGID);
 }
 
+/// Root mean square distance of pins from the line that fits them best.
+fn across_line(pins: &[PointPin<3>]) -> f64 {
+    let count = pins.len() as f64;
+    let mean: [f64; 3] = std::array::from_fn(|d| pins.iter().map(|pin| pin.at[d]).sum::<f64>() / count);
+    let places: Vec<[f64; 3]> = pins.iter().map(|pin| std::array::from_fn(|d| pin.at[d] - mean[d])).collect();
+    // Power iteration finds the direction of the line.
+    let (mut direction, mut along) = ([0.5, 0.6, 0.7], 0.0);
+    for _ in 0..200 {
+        let mut image = [0.0; 3];
+        for place in &places {
+            let share: f64 = (0..3).map(|d| place[d] * direction[d]).sum();
+            (0..3).for_each(|d| image[d] += share * place[d] / count);
+        }
+        along = image.iter().map(|x| x * x).sum::<f64>().sqrt();
+        direction = image.map(|x| x / along);
+    }
+    let all: f64 = places.iter().flatten().map(|x| x * x).sum::<f64>() / count;
+    (all - along).max(0.0).sqrt()
+}
+
 #[test]
 fn a_turned_problem_has_the_turned_solution_in_space() {
+    // Pins near a line leave the roll about it open; the smallest one from rest is taken.
     let cases = drawn(&(pins_3d(), -3.1..3.1_f64, bases()), 20).into_iter().filter(|case| case.0.len() > 2);
+    let cases = cases.filter(|case| across_line(&case.0) > 0.07 * 3.0_f64.sqrt());
     let gaps = cases
         .map(|(pins, angle, basis)| turned_gap(&grid::<3>(5, basis), ball(), pins, motion(angle, [0.3, -0.2, 0.1])));
     // Newton's method ends solves of the plane only: handles that nearly nothing holds rest less exactly in space.
