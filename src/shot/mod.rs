@@ -18,6 +18,7 @@ mod hints;
 mod keys;
 mod lines;
 mod model;
+#[cfg(feature = "cli")]
 mod only_layers;
 mod range;
 mod raw;

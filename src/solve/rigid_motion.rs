@@ -192,9 +192,10 @@ impl<const D: usize> Correlation<D> {
             })
         });
         let share = 0.5 * (1.0 + c) * self.open_roll(&line) * (1.0 - self.told_roll(&line));
-        for a in 0..D {
-            self.at_rest[a][a] += share * self.roll_lever;
-            (0..D).for_each(|b| self.moved[a][b] += share * self.roll_lever * rotation[b][a]);
+        let lever = share * self.roll_lever;
+        for (b, row) in rotation.iter().enumerate() {
+            self.at_rest[b][b] += lever;
+            row.iter().enumerate().for_each(|(a, entry)| self.moved[a][b] += lever * entry);
         }
     }
 
@@ -285,8 +286,8 @@ mod tests {
         let spin = |[x, y, z]: [f64; 3]| [-0.5 * x - 0.75_f64.sqrt() * y, 0.75_f64.sqrt() * x - 0.5 * y, z];
         let roll = |[x, y, z]: [f64; 3]| [x, -y, -z];
         let quarter = |[x, y, z]: [f64; 3]| [x, -z, y];
-        let cases: [(f64, &dyn Fn([f64; 3]) -> [f64; 3]); 4] =
-            [(0.0, &spin), (0.02, &spin), (0.02, &quarter), (0.02, &roll)];
+        type Rotation<'a> = &'a dyn Fn([f64; 3]) -> [f64; 3];
+        let cases: [(f64, Rotation); 4] = [(0.0, &spin), (0.02, &spin), (0.02, &quarter), (0.02, &roll)];
         for (height, rotated) in cases {
             let motion = fit(near_a_line(height).map(|at| (at, rotated(at))), true);
             for at in [[0.4, 0.1, -0.2], [-0.1, 0.3, 0.3]] {
