@@ -371,6 +371,13 @@ pub(super) enum ExportFormat {
     AfterEffects,
 }
 
+impl ExportFormat {
+    /// Its name on the command line.
+    pub(super) fn name(self) -> String {
+        clap::ValueEnum::to_possible_value(&self).map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
 #[derive(Debug, clap::Args)]
 pub(super) struct FitArgs {
     /// Source to deform: a picture (its alpha defines the shape), or one frame of a shot or scene.

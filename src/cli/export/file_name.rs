@@ -6,7 +6,6 @@ use super::source::Source;
 use crate::cli::args::{ExportArgs, ExportFormat};
 use crate::image::FileKind;
 use anyhow::bail;
-use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 
 /// Extensions of this program's outputs, besides those that it reads.
@@ -21,7 +20,7 @@ pub(super) fn check(args: &ExportArgs) -> anyhow::Result<()> {
         source.inputs(args)?.refuse(output)?;
     }
     let (shown, right) = (output.display(), right.display());
-    let format = args.to.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    let format = args.to.name();
     match extension_of(args.to) {
         Some(wanted) => bail!("-o {shown}: --to {format} writes .{wanted} files; name the output -o {right}"),
         None => bail!(

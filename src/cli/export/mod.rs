@@ -17,7 +17,6 @@ use super::args::{ExportArgs, ExportFormat};
 use super::outcome::Outcome;
 use crate::image::Existing;
 use anyhow::bail;
-use clap::ValueEnum;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     refuse_idle_flags(args)?;
@@ -35,7 +34,7 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
 /// Rejects flags that have no effect with the chosen format.
 fn refuse_idle_flags(args: &ExportArgs) -> anyhow::Result<()> {
     let has_maps = matches!(args.to, ExportFormat::Stmap | ExportFormat::Nuke | ExportFormat::AfterEffects);
-    let format = args.to.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    let format = args.to.name();
     if !args.layer.is_empty() && !has_maps && args.to != ExportFormat::LatticeJson {
         bail!(
             "--layer is for maps and lattices (--to stmap, nuke, after-effects or lattice-json), but --to {format} writes the \
