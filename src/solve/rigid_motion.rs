@@ -170,6 +170,10 @@ impl<const D: usize> Correlation<D> {
     /// turned around, because there all rotations by 180 degrees are equally small.
     fn prefer_small_roll(&mut self) {
         let line = self.line();
+        let open = self.open_roll(&line);
+        if open == 0.0 {
+            return;
+        }
         let direction = line.direction;
         let image: [f64; D] = std::array::from_fn(|b| (0..D).map(|a| direction[a] * self.moved[a][b]).sum());
         let length = dot(&image, &image).sqrt();
@@ -191,7 +195,7 @@ impl<const D: usize> Correlation<D> {
                 identity::<D>()[row][column] + k[row][column] + squared[row][column] / (1.0 + c)
             })
         });
-        let share = 0.5 * (1.0 + c) * self.open_roll(&line) * (1.0 - self.told_roll(&line));
+        let share = 0.5 * (1.0 + c) * open * (1.0 - self.told_roll(&line));
         let lever = share * self.roll_lever;
         for (b, row) in rotation.iter().enumerate() {
             self.at_rest[b][b] += lever;
