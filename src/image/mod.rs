@@ -54,6 +54,7 @@ pub(crate) use kept::{Depth, Expected, StaleReason, check_kept};
 pub use kind::{FileKind, PictureKind};
 pub(crate) use mask::PaintedMap;
 pub use metadata::{CameraMatrices, FrameMetadata};
+pub(crate) use picture::read_numbers;
 #[cfg(feature = "python")]
 pub(crate) use picture::{bytes_of_plate, plate_of_bytes};
 pub use picture::{read_any, read_any_head, read_picture, write_any, write_picture};

@@ -30,6 +30,20 @@ const BEST_RATIO: u128 = 8300;
 /// # Errors
 /// [`ImageError`] if the file cannot be opened, is damaged or truncated, or is not a picture.
 pub fn read_picture(path: &Path) -> Result<Plate, ImageError> {
+    Ok(plate_from_picture(decode(path)?, Codes::Color))
+}
+
+/// Meaning of the codes of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Codes {
+    /// sRGB colours with straight alpha.
+    Color,
+    /// Numbers from 0 to 1, as in STMaps.
+    Numbers,
+}
+
+/// Decodes a picture, with its EXIF orientation applied.
+fn decode(path: &Path) -> Result<DynamicImage, ImageError> {
     let io = |source| ImageError::reading(path, source);
     let failed = |failed| picture_error(path, failed);
     crate::files::check_regular(path).map_err(io)?;
@@ -42,7 +56,7 @@ pub fn read_picture(path: &Path) -> Result<Plate, ImageError> {
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut picture = DynamicImage::from_decoder(decoder).map_err(failed)?;
     picture.apply_orientation(orientation);
-    Ok(plate_from_picture(picture))
+    Ok(picture)
 }
 
 fn picture_error(path: &Path, failed: ::image::ImageError) -> ImageError {
@@ -57,7 +71,7 @@ fn picture_error(path: &Path, failed: ::image::ImageError) -> ImageError {
     }
 }
 
-fn plate_from_picture(picture: DynamicImage) -> Plate {
+fn plate_from_picture(picture: DynamicImage, meaning: Codes) -> Plate {
     let color = picture.color();
     let is_eight_bit = color.bytes_per_pixel() == color.channel_count();
     let storage = if is_eight_bit { Storage::Half } else { Storage::Float };
@@ -71,7 +85,12 @@ fn plate_from_picture(picture: DynamicImage) -> Plate {
         .enumerate()
         .map(|(at, name)| {
             let pixels = codes.chunks_exact(4);
-            let samples = pixels.map(|pixel| light[usize::from(pixel[at])] * unit(pixel[3]).max(HIDDEN)).collect();
+            let samples = match meaning {
+                Codes::Color => {
+                    pixels.map(|pixel| light[usize::from(pixel[at])] * unit(pixel[3]).max(HIDDEN)).collect()
+                }
+                Codes::Numbers => pixels.map(|pixel| unit(pixel[at])).collect(),
+            };
             Channel { name: name.to_owned(), storage, samples }
         })
         .collect();
@@ -80,7 +99,9 @@ fn plate_from_picture(picture: DynamicImage) -> Plate {
         channels.push(Channel { name: "A".to_owned(), storage, samples });
     }
     let mut plate = Plate::from_frame(Frame { display: window, data_window: window, pixel_aspect: 1.0, channels });
-    metadata::add_color_space(&mut plate.attributes);
+    if meaning == Codes::Color {
+        metadata::add_color_space(&mut plate.attributes);
+    }
     plate
 }
 
@@ -128,7 +149,7 @@ pub(crate) fn plate_of_bytes([width, height]: [u32; 2], channels: usize, bytes: 
         4 => DynamicImage::ImageRgba8(ImageBuffer::from_raw(width, height, bytes)?),
         _ => return None,
     };
-    Some(plate_from_picture(picture))
+    Some(plate_from_picture(picture, Codes::Color))
 }
 
 /// Converts the display window of a plate to the bytes that [`write_picture`] would write to an 8-bit PNG, with 1 to 4
@@ -227,6 +248,18 @@ pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
     match PictureKind::known(path)? {
         PictureKind::Exr => super::read_plate(path),
         PictureKind::Png | PictureKind::Jpeg => read_picture(path),
+    }
+}
+
+/// Reads an EXR, PNG or JPEG file that contains numbers, such as an STMap: the codes of a PNG or JPEG count from 0 to 1, without the
+/// transfer function of sRGB.
+///
+/// # Errors
+/// As [`read_any`].
+pub(crate) fn read_numbers(path: &Path) -> Result<Plate, ImageError> {
+    match PictureKind::known(path)? {
+        PictureKind::Exr => super::read_plate(path),
+        PictureKind::Png | PictureKind::Jpeg => Ok(plate_from_picture(decode(path)?, Codes::Numbers)),
     }
 }
 

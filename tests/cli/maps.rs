@@ -292,3 +292,28 @@ fn folds_hide_nothing_of_the_model_in_plates_and_in_maps() {
         assert!(off * 20 <= covered, "{name}: {off} of {covered}");
     }
 }
+
+#[test]
+fn the_codes_of_png_maps_are_numbers() {
+    let bench = Bench::new();
+    bench.run("export shot.toml --to stmap -o st.####.exr --frames 2").says(0, &[]);
+    bench.run("render shot.toml -o plate.####.exr --device cpu --frames 2").says(0, &[]);
+    let map = read(&bench, "st.0002.exr");
+    let code = |channel: &str, pixel| (at(&map, channel, pixel).clamp(0.0, 1.0) * 65535.0).round() as u16;
+    let picture = image::ImageBuffer::from_fn(64, 36, |x, y| {
+        let pixel = [x as i32, y as i32];
+        image::Rgb([code("R", pixel), code("G", pixel), 0])
+    });
+    picture.save(bench.path("st.0002.png")).expect("saved");
+    for kind in ["exr", "png"] {
+        bench.run(&format!("warp plate.####.exr --stmap st.####.{kind} -o {kind}.####.exr --frames 2")).says(0, &[]);
+    }
+    let [by_exr, by_png, plate] = ["exr", "png", "plate"].map(|name| read(&bench, &format!("{name}.0002.exr")));
+    let greatest = |other: &Frame| {
+        let differences = pixels().map(|pixel| (at(&by_exr, "A", pixel) - at(other, "A", pixel)).abs());
+        differences.fold(0.0, f32::max)
+    };
+    // A code is a thousandth of a pixel.
+    assert!(greatest(&by_png) < 0.01, "{}", greatest(&by_png));
+    assert!(greatest(&plate) > 0.2, "the map moves something: {}", greatest(&plate));
+}

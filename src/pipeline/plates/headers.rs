@@ -5,7 +5,7 @@
 use super::needed_memory::held_bytes;
 use super::{PlateWarp, WarpJob};
 use crate::files::check_regular;
-use crate::image::{Plate, SequencePath, picture_extent, read_any, read_any_head};
+use crate::image::{Plate, SequencePath, picture_extent, read_any_head, read_numbers};
 use crate::memory;
 use crate::pipeline::PipelineError;
 use crate::plate::{Matte, check_fill, check_plate, check_stmap, map_of_stmap};
@@ -85,7 +85,7 @@ fn check_map(path: &Path, plate: &Plate) -> Result<(), PipelineError> {
     let Some(memory) = picture_extent(path).ok().and_then(|extent| memory::reserve(held_bytes(extent)).ok()) else {
         return Ok(());
     };
-    let checked = read_any(path).map_or(Ok(()), |map| map_of_stmap(&map).map(drop).map_err(named));
+    let checked = read_numbers(path).map_or(Ok(()), |map| map_of_stmap(&map).map(drop).map_err(named));
     drop(memory);
     checked
 }

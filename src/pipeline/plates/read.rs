@@ -4,10 +4,9 @@
 
 use super::needed_memory::{held_bytes, warped_bytes};
 use super::plan::Plan;
-use crate::image::{ImageError, Plate, SequencePath, picture_extent, read_any};
+use crate::image::{ImageError, Plate, SequencePath, picture_extent, read_any, read_numbers};
 use crate::memory::{self, Reservation};
 use crate::pipeline::PipelineError;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::time::Instant;
@@ -61,7 +60,11 @@ impl Reader<'_> {
         let needed = warped_bytes(picture_extent(&plate)?)
             + others.map(|path| Ok(held_bytes(picture_extent(path)?))).sum::<Result<u128, ImageError>>()?;
         let memory = memory::reserve(needed).map_err(|source| ImageError::TooLarge { path: plate.clone(), source })?;
-        let read = |path: Option<PathBuf>| path.map(|path| read_any(&path)).transpose();
-        Ok(Pictures { plate: read_any(&plate)?, clean: read(clean)?, map: read(map)?, memory })
+        Ok(Pictures {
+            plate: read_any(&plate)?,
+            clean: clean.as_deref().map(read_any).transpose()?,
+            map: map.as_deref().map(read_numbers).transpose()?,
+            memory,
+        })
     }
 }
