@@ -54,7 +54,8 @@ pub(in crate::pipeline) fn screen_shape_with_starts(
         starts.push(shape.triangles.len() as u32);
         all.push(PartTriangleRanges { part, starts });
     }
-    shape.links = prepared.layer_inputs.links[index].as_ref().map(|links| links_of_shape(links, &all));
+    let links = prepared.links_of(index);
+    shape.links = links.map(|links| links_of_shape(links, &all));
     ScreenShape { shape, starts: all }
 }
 

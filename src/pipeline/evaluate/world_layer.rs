@@ -93,7 +93,7 @@ impl<'a> WorldLayer<'a> {
             let lines = source.lines.iter().map(|line| line.iter().map(|vertex| vertex + base).collect());
             shape.strokes.extend(lines);
         }
-        let links = self.prepared.layer_inputs.links[self.index].as_ref();
+        let links = self.prepared.links_of(self.index);
         shape.links = links.map(|links| links_of_shape(links, &self.starts));
         shape
     }

@@ -5,7 +5,7 @@
 
 use super::rest_mesh::{RestMesh, rest_pose};
 use crate::pipeline::{PinAnchor, PreparedShot};
-use crate::shot::LayerSpace;
+use crate::shot::{LayerSpace, Source};
 use crate::solve::{inner_widths, link_length, solid_links};
 
 /// Number of spans across a thin part, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
@@ -20,8 +20,15 @@ const THINNER: f64 = 0.15;
 /// Minimum and maximum number of handles along an axis.
 const HANDLES: [usize; 2] = [10, 64];
 
+/// Maximum number of handles along the longer side of a scene's layer, whose shape changes from frame to frame, so that every frame is
+/// split and factored anew.
+const SCENE_HANDLES: usize = 24;
+
 /// Number of handles above which the cost of a sequence is noted.
 const MANY_HANDLES: usize = 2000;
+
+/// Distance of the places where the thickness of a solid is measured, as a fraction of its diagonal.
+const PITCH: f64 = 1.0 / 48.0;
 
 /// Size of a followed box relative to the model, including the padding on both sides.
 const PADDING: f64 = 1.2;
@@ -31,14 +38,18 @@ pub(in crate::pipeline) fn choose(prepared: &mut PreparedShot) {
     let asking = |index: &usize| prepared.shot.layers[*index].has_auto_dims;
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(asking).collect();
     for index in layers {
-        let (chosen, why) = dims(prepared, index);
+        let Choice { dims: chosen, why, wanted } = choice(prepared, index);
         let layer = &mut prepared.shot.layers[index];
         if let LayerSpace::Screen { dims, .. } = &mut layer.space {
             *dims = chosen;
         }
         let [across, up] = chosen;
-        let cost = match chosen.map(|count| count.div_ceil(2).max(HANDLES[0])) {
-            [x, y] if across * up > MANY_HANDLES => {
+        let halved = chosen.map(|count| count.div_ceil(2).max(HANDLES[0]));
+        let cost = match (wanted, halved) {
+            (Some([x, y]), _) => {
+                format!(", the most that \"auto\" gives a scene; dims = [{x}, {y}] would fit them and take longer")
+            }
+            (None, [x, y]) if across * up > MANY_HANDLES => {
                 format!("; so many take minutes for a sequence, and dims = [{x}, {y}] a fraction of that")
             }
             _ => String::new(),
@@ -47,11 +58,20 @@ pub(in crate::pipeline) fn choose(prepared: &mut PreparedShot) {
     }
 }
 
-/// Returns the dims of a layer and the reason for them.
-fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
+/// Dims of a layer.
+struct Choice {
+    dims: [usize; 2],
+    /// The reason for them, in words.
+    why: &'static str,
+    /// The dims that the layer would have without [`SCENE_HANDLES`], if they differ.
+    wanted: Option<[usize; 2]>,
+}
+
+fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     let layer = &prepared.shot.layers[index];
+    let coarsest = |why| Choice { dims: [HANDLES[0]; 2], why, wanted: None };
     let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
-    let Some(longest) = longest_side(&mesh) else { return ([HANDLES[0]; 2], "for nothing is seen of it") };
+    let Some(longest) = longest_side(&mesh) else { return coarsest("for nothing is seen of it") };
     let thin = thickness(&mesh).map(|thickness| thickness / longest / SPANS_ACROSS);
     let frame = f64::from(prepared.shot.reference_frame());
     let sides = box_sides(prepared, index, frame);
@@ -62,14 +82,20 @@ fn dims(prepared: &PreparedShot, index: usize) -> ([usize; 2], &'static str) {
         [Some(thin), Some(pins)] if pins < thin => (pins, "for its pins that are near each other"),
         [Some(thin), _] => (thin, "for its thinnest parts"),
         [None, Some(pins)] => (pins, "for its pins that are near each other"),
-        [None, None] => return ([HANDLES[0]; 2], "for it has no thin parts"),
+        [None, None] => return coarsest("for it has no thin parts"),
     };
     let ends = layer.basis.min_handles() - 1;
-    let handles = |side: f64| {
-        let spans = (PADDING * side / sides[0].max(sides[1]) / span).ceil() as usize;
-        (spans + ends).clamp(HANDLES[0], HANDLES[1])
+    let dims_for = |span: f64| {
+        let spans = |side: f64| (PADDING * side / sides[0].max(sides[1]) / span).ceil() as usize;
+        sides.map(|side| (spans(side) + ends).clamp(HANDLES[0], HANDLES[1]))
     };
-    (sides.map(handles), why)
+    let wanted = dims_for(span);
+    let widest = match prepared.shot.source {
+        Source::Scene(_) => PADDING / (SCENE_HANDLES - ends) as f64,
+        Source::Images(_) | Source::Frame => 0.0,
+    };
+    let dims = dims_for(span.max(widest));
+    Choice { dims, why, wanted: (dims != wanted).then_some(wanted) }
 }
 
 /// Returns width and height of a layer on the screen, in frame heights.
@@ -94,7 +120,7 @@ fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64
 
 /// Returns the thickness of a mesh: measured through a solid, or across a flat picture.
 fn thickness(mesh: &RestMesh) -> Option<f64> {
-    let links = solid_links(&mesh.points, &mesh.triangles, None);
+    let links = solid_links(&mesh.points, &mesh.triangles, PITCH, None);
     let widths: Vec<f64> = if links.is_empty() {
         inner_widths(&mesh.flat(), &mesh.triangles)
     } else {

@@ -4,6 +4,7 @@
 use super::cameras::CameraSource;
 use super::layer_assignment::LayerAssignment;
 use super::reflection::MirroredPin;
+use super::rest_links::RestLinks;
 use super::stiffness::{PartStiffness, Stiffness};
 use super::symmetry::Symmetry;
 use super::transfer::Loaded;
@@ -62,7 +63,7 @@ pub(in crate::pipeline) struct LayerInputs {
     /// Stiffness of the layers' triangles.
     pub(in crate::pipeline) stiffness: Stiffness,
     /// #layers: links between the layer's connected triangles; `None` if its lattice does not branch.
-    pub(in crate::pipeline) links: Vec<Option<Arc<Vec<Link>>>>,
+    pub(in crate::pipeline) links: Vec<Option<RestLinks>>,
     /// #layers: lattices transferred from other shots.
     pub(in crate::pipeline) loaded: Vec<Option<Loaded>>,
 }
@@ -143,6 +144,13 @@ impl PreparedShot {
     /// Returns how the pins of a layer follow others; `None` for pins that do not. Empty for layers that a host program drives.
     pub(in crate::pipeline) fn mirrored_pins_of(&self, layer: usize) -> &[Option<MirroredPin>] {
         &self.layer_inputs.mirrored[layer]
+    }
+
+    /// Returns the links between the triangles of a layer; `None` if its lattice does not branch.
+    pub(in crate::pipeline) fn links_of(&self, layer: usize) -> Option<&Arc<Vec<Link>>> {
+        let Layer { space, basis, .. } = &self.shot.layers[layer];
+        let spans = space.dims().into_iter().filter(|count| *count > 1).map(|count| basis.spans(count)).max();
+        Some(self.layer_inputs.links[layer].as_ref()?.for_spans(spans.unwrap_or(1)))
     }
 
     /// Returns the stiffness of a part's triangles; the part must belong to the layer.

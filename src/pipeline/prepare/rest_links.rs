@@ -1,6 +1,6 @@
 //! Finds the connected triangles of a layer whose lattice branches, from the scene at rest, independent of the view.
 //!
-//! In: a scene, the parts of a layer, the cuts and joins of the shot. Out: [`Link`]s between triangles, which are
+//! In: a scene, the parts of a layer, the cuts and joins of the shot. Out: [`RestLinks`] between triangles, which are
 //! numbered consecutively over all parts.
 
 use super::rest_mesh::{RestMesh, rest_pose};
@@ -12,8 +12,37 @@ use crate::screen::primitive;
 use crate::shot::{Cut, CutSurface, Layer, Shot, Source};
 use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, nearest_link, solid_links, surface_links};
 use crate::spelling;
+use glam::DVec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
+
+/// Distances of the links through a solid, as fractions of its diagonal.
+const PITCHES: [f64; 3] = [1.0 / 14.0, 1.0 / 28.0, 1.0 / 48.0];
+
+/// Largest distance of the links through a solid, in spans of the lattice: the support of a B-spline is four spans wide, that of a
+/// bilinear basis two.
+const SPANS_APART: f64 = 0.5;
+
+/// The links of a layer. Those through its solid are as dense as the lattice needs, because the time to split a shape grows with their
+/// number.
+#[derive(Debug)]
+pub(in crate::pipeline) struct RestLinks {
+    /// Distances of the links through the solid, descending, with all links.
+    by_pitch: Vec<(f64, Arc<Vec<Link>>)>,
+}
+
+impl RestLinks {
+    /// Returns the links for a lattice with this number of spans along its longer side.
+    pub(in crate::pipeline) fn for_spans(&self, spans: usize) -> &Arc<Vec<Link>> {
+        let is_dense_enough = |(pitch, _): &&(f64, Arc<Vec<Link>>)| pitch * spans as f64 <= SPANS_APART;
+        let (_, links) = self.by_pitch.iter().find(is_dense_enough).unwrap_or_else(|| self.finest());
+        links
+    }
+
+    fn finest(&self) -> &(f64, Arc<Vec<Link>>) {
+        self.by_pitch.last().expect("a layer has links of at least one distance")
+    }
+}
 
 /// Returns the links of every layer; `None` for layers whose lattice does not branch.
 ///
@@ -23,7 +52,7 @@ pub(in crate::pipeline) fn rest_links(
     shot: &Shot,
     scene: &Scene,
     parts_of_layer: &[Vec<usize>],
-) -> Result<Vec<Option<Arc<Vec<Link>>>>, PipelineError> {
+) -> Result<Vec<Option<RestLinks>>, PipelineError> {
     let mut rest = None;
     let mut all = Vec::with_capacity(shot.layers.len());
     for (index, (layer, parts)) in shot.layers.iter().zip(parts_of_layer).enumerate() {
@@ -34,35 +63,54 @@ pub(in crate::pipeline) fn rest_links(
         let rest = rest.get_or_insert_with(|| rest_pose(scene));
         let mesh = RestMesh::of(scene, rest, parts);
         let radius = layer.connectivity.island_radius * mesh.diagonal();
-        let mut links = match shot.source {
+        let mut by_pitch = match shot.source {
             Source::Scene(_) => links_of_solid(&mesh, radius),
-            Source::Images(_) | Source::Frame => surface_links(&mesh.flat(), &mesh.triangles, radius),
+            Source::Images(_) | Source::Frame => vec![(1.0, surface_links(&mesh.flat(), &mesh.triangles, radius))],
         };
         let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh };
-        layer.cut(&mut links)?;
-        layer.join(&mut links)?;
-        // Solves sort them at every time, which takes less where they are sorted already.
-        links.sort_by_key(|link| {
-            let [a, b] = link.ends.map(|end| end.triangle);
-            [a.min(b), a.max(b)]
-        });
-        all.push(Some(Arc::new(links)));
+        layer.cut(&mut by_pitch)?;
+        layer.join(&mut by_pitch)?;
+        let sorted = |(pitch, mut links): (f64, Vec<Link>)| {
+            // Solves sort them at every time, which takes less where they are sorted already.
+            links.sort_by_key(|link| {
+                let [a, b] = link.ends.map(|end| end.triangle);
+                [a.min(b), a.max(b)]
+            });
+            (pitch, Arc::new(links))
+        };
+        all.push(Some(RestLinks { by_pitch: by_pitch.into_iter().map(sorted).collect() }));
     }
     Ok(all)
 }
 
-/// Returns links along the surface, through the solid, and from covers to what they cover.
-fn links_of_solid(mesh: &RestMesh, radius: f64) -> Vec<Link> {
-    let mut links = surface_links(&mesh.points, &mesh.triangles, radius);
-    let islands = islands_of(mesh.triangles.len(), &links);
-    links.extend(solid_links(&mesh.points, &mesh.triangles, Some(&islands)));
+/// Links with the distance of those through the solid, as a fraction of its diagonal.
+type LinksByPitch = Vec<(f64, Vec<Link>)>;
+
+/// Returns links along the surface, through the solid, and from covers to what they cover, with descending distances.
+fn links_of_solid(mesh: &RestMesh, radius: f64) -> LinksByPitch {
+    let on_surface = surface_links(&mesh.points, &mesh.triangles, radius);
+    let islands = islands_of(mesh.triangles.len(), &on_surface);
     let in_own_order = |end: &mut LinkEnd| {
         if mesh.is_mirrored[end.triangle as usize] {
             end.barycentric.swap(1, 2);
         }
     };
-    links.iter_mut().flat_map(|link| &mut link.ends).for_each(in_own_order);
-    links
+    let with_solid = |pitch: f64| {
+        let mut links = on_surface.clone();
+        links.extend(solid_links(&mesh.points, &mesh.triangles, pitch, Some(&islands)));
+        links.iter_mut().flat_map(|link| &mut link.ends).for_each(in_own_order);
+        (pitch, links)
+    };
+    // Where triangles are small, each has one link at all distances.
+    let longest = longest_edge(mesh) / mesh.diagonal();
+    let is_needed = |(number, pitch): &(usize, f64)| *number == 0 || longest > *pitch;
+    PITCHES.into_iter().enumerate().filter(is_needed).map(|(_, pitch)| with_solid(pitch)).collect()
+}
+
+fn longest_edge(mesh: &RestMesh) -> f64 {
+    let place = |corner: u32| DVec3::from(mesh.points[corner as usize]);
+    let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.map(|[from, to]| place(from).distance_squared(place(to))).fold(0.0, f64::max).sqrt()
 }
 
 /// The inputs for the cuts and joins of one layer.
@@ -91,17 +139,18 @@ impl LayerLinks<'_> {
     }
 
     /// Removes the links that cuts separate.
-    fn cut(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
+    fn cut(&self, by_pitch: &mut LinksByPitch) -> Result<(), PipelineError> {
+        let count = |by_pitch: &LinksByPitch| by_pitch.last().map_or(0, |(_, links)| links.len());
         for (number, cut) in self.layer().connectivity.cuts.iter().enumerate() {
             let key = format!("cuts[{number}]");
-            let before = links.len();
+            let before = count(by_pitch);
             match cut {
-                Cut::Stroke(stroke) => self.cut_along(stroke, links),
+                Cut::Stroke(stroke) => by_pitch.iter_mut().for_each(|(_, links)| self.cut_along(stroke, links)),
                 Cut::Part { nodes, selection, surface } => {
                     let parts = (self.rest.parts.as_slice(), self.parts);
                     let is_in = cut_off((self.shot, self.scene), [self.index, number], (nodes, selection), parts)?;
-                    self.cut_part(&is_in, *surface, links);
-                    if links.len() == before {
+                    by_pitch.iter_mut().for_each(|(_, links)| self.cut_part(&is_in, *surface, links));
+                    if count(by_pitch) == before {
                         let count = is_in.iter().filter(|is_in| **is_in).count();
                         let of = is_in.len();
                         let what = format!("cut {number} separates nothing: it names {count} of {of} triangles");
@@ -111,7 +160,7 @@ impl LayerLinks<'_> {
                     }
                 }
             }
-            if links.len() == before {
+            if count(by_pitch) == before {
                 let hint = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
                 return Err(self.fault(&key, &format!("stroke {number} cuts nothing"), hint));
             }
@@ -142,7 +191,7 @@ impl LayerLinks<'_> {
     }
 
     /// Links the pairs that the shot joins, at their nearest points.
-    fn join(&self, links: &mut Vec<Link>) -> Result<(), PipelineError> {
+    fn join(&self, by_pitch: &mut LinksByPitch) -> Result<(), PipelineError> {
         for (number, pair) in self.layer().connectivity.joins.iter().enumerate() {
             let key = format!("joins[{number}]");
             let [from, to] = pair.each_ref().map(|pattern| self.triangles_of(pattern));
@@ -159,7 +208,8 @@ impl LayerLinks<'_> {
                     format!("'{}' and '{}' both name '{name}', which would be joined with itself", pair[0], pair[1]);
                 return Err(self.fault(&key, &what, "name two different parts of the layer"));
             }
-            links.extend(nearest_link(&self.mesh.points, &self.mesh.triangles, [&from, &to]));
+            let link = nearest_link(&self.mesh.points, &self.mesh.triangles, [&from, &to]);
+            by_pitch.iter_mut().for_each(|(_, links)| links.extend(link));
         }
         Ok(())
     }

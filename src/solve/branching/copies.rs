@@ -213,7 +213,9 @@ impl<const D: usize> Finder<'_, D> {
 
     /// Adds a link between different nodes, with the growth of the support at which it connects them if that is below one.
     fn push_link(&self, support: &SupportBox<D>, link: &PlacedLink<D>, links: &mut Vec<Connection>) {
-        let pair = link.triangles.map(|triangle| self.node_of.get(triangle).copied().unwrap_or(NONE));
+        let node = |triangle: usize| self.node_of.get(triangle).copied().unwrap_or(NONE);
+        // Most links join triangles of one node; `map` on the array would not be inlined here.
+        let pair = [node(link.triangles[0]), node(link.triangles[1])];
         if pair[0] != pair[1] && !pair.contains(&NONE) {
             links.extend(connection(support, link, pair));
         }

@@ -1,8 +1,8 @@
 //! Links through the inside of solids, between front and back of a limb, for example, and from what covers a part to that part: a
 //! sleeve goes along with its arm everywhere.
 //!
-//! In: a surface at rest in 3D. Out: [`Link`]s from points of each triangle, along the inward normal, to the opposite side, or to
-//! another island close below. Open surfaces with nothing below have no such links.
+//! In: a surface at rest in 3D, the distance between links. Out: [`Link`]s from points of each triangle, along the inward normal, to the
+//! opposite side, or to another island close below. Open surfaces with nothing below have no such links.
 
 use super::disjoint_sets::DisjointSets;
 use super::link::{Link, LinkEnd, LinkKind};
@@ -10,9 +10,6 @@ use super::ray::Ray;
 use crate::solve::linalg::small_matrix::{distance, dot, minus};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
-
-/// Spacing of the points on a triangle, as a fraction of the shape's diagonal.
-const PITCH: f64 = 1.0 / 48.0;
 
 /// Largest number of points along a side of a triangle.
 const MAX_POINTS: usize = 16;
@@ -29,12 +26,17 @@ const COVER: f64 = 0.03;
 /// The bounding box of a triangle, with the index of the triangle.
 type Boxed = GeomWithData<Rectangle<[f64; 3]>, usize>;
 
-/// Links through the inside of closed surfaces. `islands`: the island of each triangle, #triangles; with it, covers are linked to
-/// what they cover, too.
+/// Links through the inside of closed surfaces. `pitch`: distance of the points from which they start on a triangle, as a fraction of the
+/// shape's diagonal. `islands`: the island of each triangle, #triangles; with it, covers are linked to what they cover, too.
 #[must_use]
-pub(crate) fn solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]], islands: Option<&[usize]>) -> Vec<Link> {
+pub(crate) fn solid_links(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    pitch: f64,
+    islands: Option<&[usize]>,
+) -> Vec<Link> {
     let surface = Surface::of(points, triangles);
-    let pitch = PITCH * surface.diagonal;
+    let pitch = pitch * surface.diagonal;
     let count = |corners: &[[f64; 3]; 3]| {
         let longest = (0..3).map(|k| distance(&corners[k], &corners[(k + 1) % 3])).fold(0.0, f64::max);
         ((longest / pitch).ceil() as usize).clamp(1, MAX_POINTS)
@@ -156,6 +158,8 @@ mod tests {
     use super::*;
     use crate::solve::branching::surface_links;
 
+    const PITCH: f64 = 1.0 / 48.0;
+
     /// A box with corners at 0 and `size`; opposite faces are consecutive.
     fn faces(size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         let points = (0..8).map(|k| [0, 1, 2].map(|axis| f64::from(k >> axis & 1) * size[axis])).collect();
@@ -167,7 +171,7 @@ mod tests {
     fn the_sides_of_a_box_hang_together_through_it_and_those_of_a_sheet_do_not() {
         let size = [1.0, 2.0, 4.0];
         let (points, triangles) = faces(size);
-        let links = solid_links(&points, &triangles, None);
+        let links = solid_links(&points, &triangles, PITCH, None);
         assert!(links.len() > 100);
         for link in &links {
             let length = link_length(link, &points, &triangles);
@@ -175,21 +179,21 @@ mod tests {
             let [from, to] = link.ends.each_ref().map(|end| end.triangle / 2);
             assert_eq!(from ^ 1, to, "opposite faces");
         }
-        assert!(solid_links(&points, &triangles[..2], None).is_empty());
+        assert!(solid_links(&points, &triangles[..2], PITCH, None).is_empty());
         let inside_out: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-        assert!(solid_links(&points, &inside_out, None).is_empty(), "outwards there is nothing");
+        assert!(solid_links(&points, &inside_out, PITCH, None).is_empty(), "outwards there is nothing");
     }
 
     #[test]
     fn a_cover_is_linked_to_what_lies_close_below_it() {
         let (mut points, mut triangles) = faces([1.0, 2.0, 4.0]);
-        let solid = solid_links(&points, &triangles, None).len();
+        let solid = solid_links(&points, &triangles, PITCH, None).len();
         let mut covers = |gap: f64| {
             let base = points.len() as u32;
             points.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]].map(|[x, y]| [x, y, 4.0 + gap]));
             triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
             let links = surface_links(&points, &triangles, 0.0);
-            let links = solid_links(&points, &triangles, Some(&islands_of(triangles.len(), &links)));
+            let links = solid_links(&points, &triangles, PITCH, Some(&islands_of(triangles.len(), &links)));
             points.truncate(8);
             triangles.truncate(12);
             links.len() - solid
