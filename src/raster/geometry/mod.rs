@@ -99,10 +99,7 @@ fn faces(
     let near = now.camera.near();
     let mut ends = Vec::with_capacity(submeshes.len());
     for submesh in submeshes {
-        match &submesh.triangles {
-            None => (0..).zip(&source.triangles).for_each(|(number, corners)| splitter.add((number, *corners), near)),
-            Some(own) => own.iter().for_each(|&number| splitter.add((number, source.triangles[number as usize]), near)),
-        }
+        splitter.add_all(source, submesh.triangles.as_deref(), near);
         ends.push(splitter.count());
     }
     let (list, mut triangles) = splitter.finish();
@@ -133,7 +130,7 @@ fn ribbons(
 /// fold shows its visible side instead of opening a hole.
 fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) {
     let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
-    for corners in triangles {
+    triangles.par_iter_mut().with_min_len(2048).for_each(|corners| {
         let before = side(corners.map(|corner| list.projected(corner).point().0));
         let after = side(corners.map(|corner| {
             let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
@@ -142,5 +139,5 @@ fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[Raster
         if before * after < 0.0 {
             corners.swap(1, 2);
         }
-    }
+    });
 }
