@@ -100,29 +100,46 @@ struct Vertex {
     side: f32,
 }
 
+/// Positions, normals and tangents of a part.
+type Attributes = (Vec<ScenePoint>, (Vec<SceneVector>, Vec<Vec4>));
+
 impl Job<'_> {
     fn run(&self) -> PosedPart {
         let count = self.primitive.positions.len();
         let active = self.active_targets();
-        let mut vertices: Vec<Vertex> = if count >= PARALLEL_VERTICES {
-            (0..count).into_par_iter().with_min_len(CHUNK).map(|index| self.vertex(index, &active)).collect()
-        } else {
-            (0..count).map(|index| self.vertex(index, &active)).collect()
-        };
+        let min_len = if count >= PARALLEL_VERTICES { CHUNK } else { PARALLEL_VERTICES };
+        let vertices = (0..count).into_par_iter().with_min_len(min_len).map(|index| self.vertex(index, &active));
         let is_bent = matches!(self.placing, Placing::Skinned(_)) || !active.is_empty();
-        if self.primitive.has_flat_normals && is_bent {
+        let (positions, (normals, tangents)) = if self.primitive.has_flat_normals && is_bent {
+            let mut vertices: Vec<Vertex> = vertices.collect();
             flatten(&self.primitive.triangles, &mut vertices);
-        }
-        let has_tangents = !self.primitive.tangents.is_empty();
+            self.attributes(vertices.into_par_iter().with_min_len(min_len))
+        } else {
+            self.attributes(vertices)
+        };
         PosedPart {
             node: self.node,
             mesh: self.mesh,
             primitive: self.number,
-            positions: vertices.iter().map(|vertex| ScenePoint(vertex.position)).collect(),
-            normals: vertices.iter().map(|vertex| SceneVector(vertex.normal)).collect(),
-            tangents: vertices.iter().filter(|_| has_tangents).map(|vertex| vertex.tangent).collect(),
+            positions,
+            normals,
+            tangents,
             is_mirrored: self.is_mirrored(),
         }
+    }
+
+    /// Separates the attributes of vertices. There are tangents if the primitive has some.
+    fn attributes(&self, vertices: impl IndexedParallelIterator<Item = Vertex>) -> Attributes {
+        let pair = |vertex: &Vertex| (ScenePoint(vertex.position), SceneVector(vertex.normal));
+        if self.primitive.tangents.is_empty() {
+            let (positions, normals) = vertices.map(|vertex| pair(&vertex)).unzip();
+            return (positions, (normals, Vec::new()));
+        }
+        let apart = |vertex: Vertex| {
+            let (position, normal) = pair(&vertex);
+            (position, (normal, vertex.tangent))
+        };
+        vertices.map(apart).unzip()
     }
 
     /// Returns the targets with nonzero weight.
