@@ -30,9 +30,11 @@ pub(super) struct DragSolve {
 }
 
 impl DragSolve {
-    /// Prepares a drag from the shot's keys at its start.
+    /// Prepares a drag from the shot's keys at its start, and solves the frame.
     pub(super) fn begin(prepared: &PreparedShot, frame: i32, layers: &[usize]) -> Result<Self, PipelineError> {
-        let sample = prepared.provisional(frame)?;
+        let is_in_scene = are_in_scene(prepared, layers);
+        // Layers of the screen are solved below, with solvers that are kept.
+        let sample = prepared.provisional_without(frame, if is_in_scene { &[] } else { layers })?;
         let mut solvers = Vec::new();
         for &index in layers {
             let Some(layer) = prepared.shot.layers.get(index) else { continue };
@@ -40,9 +42,14 @@ impl DragSolve {
             let path = prepared.shot.pin_path(index, prepared.key_frame(layer, sample.frame));
             solvers.push(prepared.layer_solver(&sample, &task, &path, &Cancel::never())?);
         }
-        let resting = resting_marks(prepared, &sample);
         let (held, at_rest) = (held_of(prepared, layers), prepared.parts_at_rest(layers));
-        Ok(Self { frame, layers: layers.to_vec(), sample, solvers, resting, held, at_rest, still: None })
+        let mut drag =
+            Self { frame, layers: layers.to_vec(), sample, solvers, resting: Vec::new(), held, at_rest, still: None };
+        if !is_in_scene {
+            drag.solve(prepared)?;
+        }
+        drag.resting = resting_marks(prepared, &drag.sample);
+        Ok(drag)
     }
 
     /// Returns whether this drag can be continued with these inputs.
@@ -52,8 +59,7 @@ impl DragSolve {
 
     /// Solves the frame with the shot's current keys.
     pub(super) fn solve(&mut self, prepared: &PreparedShot) -> Result<(), PipelineError> {
-        let is_in_scene = |&index: &usize| matches!(prepared.shot.layers[index].space, LayerSpace::World { .. });
-        if self.layers.iter().any(is_in_scene) {
+        if are_in_scene(prepared, &self.layers) {
             // World-space lattices displace what all other layers lie over.
             self.sample = prepared.provisional(self.frame)?;
             return Ok(());
@@ -96,7 +102,7 @@ impl DragSolve {
     ) -> Result<Option<Frame>, PipelineError> {
         let still = match self.still.take() {
             Some(still) => still,
-            None => prepared.warped_still(device, (&self.sample, &self.layers), size)?,
+            None => prepared.warped_still(device, (&mut self.sample, &self.layers), size)?,
         };
         Ok(self.still.insert(still).as_ref().and_then(|still| still.warped(&self.sample)))
     }
@@ -112,6 +118,12 @@ impl DragSolve {
 struct HeldPins {
     pins: Vec<(Option<PinRegion>, bool)>,
     handles: usize,
+}
+
+/// Whether any of the layers lies in the scene.
+fn are_in_scene(prepared: &PreparedShot, layers: &[usize]) -> bool {
+    let mut own = layers.iter().filter_map(|&index| prepared.shot.layers.get(index));
+    own.any(|layer| matches!(layer.space, LayerSpace::World { .. }))
 }
 
 fn held_of(prepared: &PreparedShot, layers: &[usize]) -> Vec<HeldPins> {

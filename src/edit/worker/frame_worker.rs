@@ -239,15 +239,13 @@ impl FrameWorker {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let begun = Instant::now();
-        let mut drag = match self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers)) {
+        let known = self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers));
+        // A rotation that was not constrained before adds constraint rows, so the drag is prepared anew.
+        let solved = known.and_then(|mut drag| drag.solve(prepared).is_ok().then_some(drag));
+        let mut drag = match solved {
             Some(drag) => drag,
             None => DragSolve::begin(prepared, job.frame, layers)?,
         };
-        if drag.solve(prepared).is_err() {
-            // A rotation that was not constrained before adds constraint rows, so the drag is prepared anew.
-            drag = DragSolve::begin(prepared, job.frame, layers)?;
-            drag.solve(prepared)?;
-        }
         let marks = [&layer_marks(prepared, drag.sample())[..], drag.resting()].concat();
         let solved = self.solved(job, (drag.sample(), false), marks);
         sender.send(Reply::Solved(Arc::new(solved)));

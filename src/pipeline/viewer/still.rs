@@ -34,9 +34,17 @@ impl PreparedShot {
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
+        self.provisional_without(frame, &[])
+    }
+
+    /// As [`Self::provisional`], with some of the screen layers left unsolved.
+    ///
+    /// # Errors
+    /// As [`Self::provisional`].
+    pub(crate) fn provisional_without(&self, frame: i32, layers: &[usize]) -> Result<TimeSample, PipelineError> {
         let time = self.mid_exposure_time(f64::from(frame));
         let mut sample = self.world_solved_at(time, Unsolved::Alone)?;
-        for (index, layer) in self.shot.layers.iter().enumerate() {
+        for (index, layer) in self.shot.layers.iter().enumerate().filter(|(index, _)| !layers.contains(index)) {
             let LayerSpace::Screen { bounds, .. } = layer.space else { continue };
             sample.layers[index] = if self.is_solved_over_time(index) {
                 timed_layer::solve(self, &sample, index, bounds)?
