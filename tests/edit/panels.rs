@@ -80,8 +80,10 @@ fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
     for name in ["low.png", "high.png", "low.png"] {
         lay_over(&mut window, name);
     }
-    window.get_by_label("View").click();
-    window.run_steps(3);
+    for menu in ["View", "Reference pictures"] {
+        window.get_by_label(menu).click();
+        window.run_steps(3);
+    }
     assert_eq!(drawn_pictures(&window), [[frame, 1.0], [frame, 0.5], [frame, 0.5]], "what is there is not added again");
     let number = |window: &Window, label: &str, value: f64| {
         window.get_all_by_label(label).next().expect("it is there").set_value_accesskit(value);
@@ -108,12 +110,16 @@ fn menus_stay_open_at_switches_and_close_at_actions() {
         window.get_by_label(switch).click();
         window.run_steps(3);
         assert!(shown(&window), "the menu closed at '{switch}'");
+        if let Some(red) = window.query_all_by_label("Tint before, red").next() {
+            red.set_value_accesskit(10.0);
+            window.run_steps(2);
+        }
     }
     window.get_by_label("Fit the picture").click();
     window.run_steps(3);
     assert!(!shown(&window), "an action closes the menu");
     let kept = fs::read_to_string(stage.state().join("view.json")).expect("it is kept");
-    for part in ["\"names\": false", "\"rest\": false", "\"count\": 1", "\"theme\": \"light\""] {
+    for part in ["\"names\": false", "\"rest\": false", "\"count\": 1", "10,\n        150,", "\"theme\": \"light\""] {
         assert!(kept.contains(part), "{part} in {kept}");
     }
 }

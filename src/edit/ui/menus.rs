@@ -4,7 +4,7 @@ use super::keys::words;
 use super::references;
 use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
 use eframe::egui::containers::menu::MenuConfig;
-use eframe::egui::widgets::color_picker::{self, Alpha};
+use eframe::egui::widgets::color_picker;
 use eframe::egui::{self, Button, Color32, PopupCloseBehavior, RichText, ThemePreference, Ui};
 
 /// The default hint: the basic operations in one line.
@@ -149,14 +149,17 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
         }
         ui.add(egui::Slider::new(&mut onion.opacity, 0.05..=1.0).text("opacity"));
         for (tint, name) in onion.tints.iter_mut().zip(["Tint before", "Tint after"]) {
-            let [red, green, blue] = *tint;
-            let mut color = Color32::from_rgb(red, green, blue);
             ui.horizontal(|ui| {
-                color_picker::show_color(ui, color, ui.spacing().interact_size);
+                let [red, green, blue] = *tint;
+                color_picker::show_color(ui, Color32::from_rgb(red, green, blue), ui.spacing().interact_size);
                 // A submenu, because a window of its own would close the menu.
-                ui.menu_button(name, |ui| color_picker::color_picker_color32(ui, &mut color, Alpha::Opaque));
+                ui.menu_button(name, |ui| {
+                    for (value, part) in tint.iter_mut().zip(["red", "green", "blue"]) {
+                        let slider = ui.add(egui::Slider::new(value, 0..=255).text(part));
+                        slider.accessible_name(format!("{name}, {part}"));
+                    }
+                });
             });
-            *tint = [color.r(), color.g(), color.b()];
         }
     });
 }
