@@ -143,7 +143,9 @@ mod tests {
         assert_eq!(moved(&sample), 3, "all layers move in this frame");
         let still = prepared.warped_still(&mut *device, (&mut sample, &[0, 1]), size).expect("drawn").expect("flat");
         let warped = still.warped(&sample).expect("plain");
-        let drawn = prepared.draft(Some(&mut *device), (&sample, &KeptParts::default()), size).expect("drawn");
+        let kept = KeptParts::default();
+        let drawn =
+            prepared.draft(Some(&mut *device), (&sample, &kept), size, &|| false).expect("drawn").expect("wanted");
         let mut resting = sample.clone();
         resting.layers[0] = LayerState::default();
         let rest = still.warped(&resting).expect("plain");
