@@ -112,14 +112,15 @@ fn menus_stay_open_at_switches_and_close_at_actions() {
         assert!(shown(&window), "the menu closed at '{switch}'");
         if let Some(red) = window.query_all_by_label("Tint before, red").next() {
             red.set_value_accesskit(10.0);
-            window.run_steps(2);
         }
+        window.run_steps(2);
     }
-    window.get_by_label("Fit the picture").click();
+    window.get_by_label_contains("Fit the picture").click();
     window.run_steps(3);
     assert!(!shown(&window), "an action closes the menu");
-    let kept = fs::read_to_string(stage.state().join("view.json")).expect("it is kept");
-    for part in ["\"names\": false", "\"rest\": false", "\"count\": 1", "10,\n        150,", "\"theme\": \"light\""] {
+    let kept =
+        fs::read_to_string(stage.state().join("view.json")).expect("it is kept").replace(char::is_whitespace, "");
+    for part in ["\"names\":false", "\"rest\":false", "\"count\":1", "[10,150,130]", "\"theme\":\"light\""] {
         assert!(kept.contains(part), "{part} in {kept}");
     }
 }
