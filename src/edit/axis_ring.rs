@@ -4,7 +4,7 @@
 //! distances from it, angles between points of it. Perspective is ignored, so that the ring keeps its size on the screen.
 
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Number of straight pieces that make a ring.
 const PIECES: usize = 72;
@@ -40,11 +40,11 @@ impl AxisRing {
         far.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, false))
     }
 
-    /// Returns the angle about the axis, in radians, by which a drag turns, at most half a turn.
-    pub(crate) fn angle(self, from: DVec2, to: DVec2) -> f64 {
+    /// Returns the angle about the axis, in radians, by which a drag turns that turned by the angle `before` last. Drags around the
+    /// ring may turn more than once.
+    pub(crate) fn angle(self, [from, to]: [DVec2; 2], before: f64) -> f64 {
         if self.axis.z.abs() >= FACING {
-            let turn = self.phase(to) - self.phase(from);
-            return turn - TAU * ((turn + PI) / TAU).floor();
+            return going_on(self.phase(to) - self.phase(from), before);
         }
         // The nearest point of the near half moves along the ring.
         let (u, v) = self.across();
@@ -71,6 +71,12 @@ impl AxisRing {
     }
 }
 
+/// Returns the angle, in radians, that is nearest to the one before, of all that differ from the given one by whole turns.
+#[must_use]
+pub(crate) fn going_on(angle: f64, before: f64) -> f64 {
+    angle + TAU * ((before - angle) / TAU).round()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,21 +86,24 @@ mod tests {
         for axis in [DVec3::Z, DVec3::NEG_Z, DVec3::new(0.5, -0.3, 0.8), DVec3::new(-0.2, 0.7, -0.6)] {
             let ring = AxisRing::about(axis);
             let points: Vec<DVec3> = ring.points().collect();
-            let turn = ring.angle(points[5].truncate(), points[14].truncate());
+            let turn = ring.angle([points[5].truncate(), points[14].truncate()], 0.0);
             assert!((turn - 9.0 / 72.0 * TAU).abs() < 1e-9, "{axis}: {turn}");
-            let back = ring.angle(points[70].truncate(), points[2].truncate());
+            let back = ring.angle([points[70].truncate(), points[2].truncate()], 0.0);
             assert!((back - 4.0 / 72.0 * TAU).abs() < 1e-9, "{axis}: {back}");
             assert!(ring.distance(points[9].truncate()).0 < 1e-9);
+            let around = (0..200)
+                .fold(0.0, |turned, piece| ring.angle([points[0].truncate(), points[piece % 72].truncate()], turned));
+            assert!((around - 199.0 / 72.0 * TAU).abs() < 1e-9, "{axis}: {around} after more than two turns");
         }
     }
 
     #[test]
     fn a_ring_seen_from_its_edge_is_pulled_along() {
         // About y, the near side moves to the right; about x, down.
-        let right = AxisRing::about(DVec3::Y).angle(DVec2::ZERO, DVec2::new(0.5, 0.0));
-        let down = AxisRing::about(DVec3::X).angle(DVec2::ZERO, DVec2::new(0.0, -0.5));
+        let right = AxisRing::about(DVec3::Y).angle([DVec2::ZERO, DVec2::new(0.5, 0.0)], 0.0);
+        let down = AxisRing::about(DVec3::X).angle([DVec2::ZERO, DVec2::new(0.0, -0.5)], 0.0);
         assert!((right - 0.5).abs() < 1e-6 && (down - 0.5).abs() < 1e-6, "{right} {down}");
-        let across = AxisRing::about(DVec3::Y).angle(DVec2::ZERO, DVec2::new(0.0, 0.5));
+        let across = AxisRing::about(DVec3::Y).angle([DVec2::ZERO, DVec2::new(0.0, 0.5)], 0.0);
         assert!(across.abs() < 1e-6, "{across}");
     }
 }

@@ -194,7 +194,13 @@ pub(in crate::edit) fn samples(shot: &Shot, track: Track, channel: Channel, time
         Track::Pin(at) => key_at(shot, at, time)?.value(channel, scale),
         Track::Handle(at) => handle_key_at(shot, at, time)?.value(channel, scale),
     };
-    times.iter().filter_map(|&time| Some([time, value(time)?])).collect()
+    let values: Vec<Option<f64>> = times.iter().map(|&time| value(time)).collect();
+    if values.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    // Keys without a rotation or scale count as not turned and not scaled between those that have one.
+    let neutral = if channel == Channel::Scale { 1.0 } else { 0.0 };
+    times.iter().zip(values).map(|(&time, value)| [time, value.unwrap_or(neutral)]).collect()
 }
 
 /// Returns whether a pin or handle has keys that can have values in a channel.

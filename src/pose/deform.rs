@@ -15,15 +15,24 @@ const PARALLEL_VERTICES: usize = 50_000;
 /// Minimum number of vertices per thread task.
 const CHUNK: usize = 8_192;
 
+/// What is computed of every vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Positions alone.
+    Positions,
+    /// Positions, normals, and tangents if there are some.
+    Surface,
+}
+
 /// Poses all parts, in node order, then primitive order.
-pub(super) fn parts(scene: &Scene, moved: &Moved, scene_from_node: &[DMat4]) -> Vec<PosedPart> {
+pub(super) fn parts(scene: &Scene, (moved, scene_from_node): (&Moved, &[DMat4]), detail: Detail) -> Vec<PosedPart> {
     let jobs: Vec<Job<'_>> =
         (0..scene.nodes.len()).flat_map(|node| jobs(scene, node, moved, scene_from_node)).collect();
     let vertices: usize = jobs.iter().map(|job| job.primitive.positions.len()).sum();
     if vertices >= PARALLEL_VERTICES {
-        jobs.par_iter().map(Job::run).collect()
+        jobs.par_iter().map(|job| job.run(detail)).collect()
     } else {
-        jobs.iter().map(Job::run).collect()
+        jobs.iter().map(|job| job.run(detail)).collect()
     }
 }
 
@@ -100,29 +109,71 @@ struct Vertex {
     side: f32,
 }
 
+/// Positions, normals and tangents of a part.
+type Attributes = (Vec<ScenePoint>, (Vec<SceneVector>, Vec<Vec4>));
+
 impl Job<'_> {
-    fn run(&self) -> PosedPart {
-        let count = self.primitive.positions.len();
-        let active = self.active_targets();
-        let mut vertices: Vec<Vertex> = if count >= PARALLEL_VERTICES {
-            (0..count).into_par_iter().with_min_len(CHUNK).map(|index| self.vertex(index, &active)).collect()
-        } else {
-            (0..count).map(|index| self.vertex(index, &active)).collect()
+    fn run(&self, detail: Detail) -> PosedPart {
+        let (positions, (normals, tangents)) = match detail {
+            Detail::Positions => (self.positions(), (Vec::new(), Vec::new())),
+            Detail::Surface => self.surface(),
         };
-        let is_bent = matches!(self.placing, Placing::Skinned(_)) || !active.is_empty();
-        if self.primitive.has_flat_normals && is_bent {
-            flatten(&self.primitive.triangles, &mut vertices);
-        }
-        let has_tangents = !self.primitive.tangents.is_empty();
         PosedPart {
             node: self.node,
             mesh: self.mesh,
             primitive: self.number,
-            positions: vertices.iter().map(|vertex| ScenePoint(vertex.position)).collect(),
-            normals: vertices.iter().map(|vertex| SceneVector(vertex.normal)).collect(),
-            tangents: vertices.iter().filter(|_| has_tangents).map(|vertex| vertex.tangent).collect(),
+            positions,
+            normals,
+            tangents,
             is_mirrored: self.is_mirrored(),
         }
+    }
+
+    /// Returns the indices of all vertices, for several threads if there are many.
+    fn indices(&self) -> impl IndexedParallelIterator<Item = usize> + use<> {
+        let count = self.primitive.positions.len();
+        (0..count).into_par_iter().with_min_len(if count >= PARALLEL_VERTICES { CHUNK } else { PARALLEL_VERTICES })
+    }
+
+    fn positions(&self) -> Vec<ScenePoint> {
+        let active = self.active_targets();
+        let at_rest = |index: usize| {
+            let moves = active.iter().map(|(weight, target)| by(&target.positions, index, *weight));
+            moves.fold(self.primitive.positions[index], |position, by| position + by)
+        };
+        let place = |index: usize| match &self.placing {
+            Placing::Rigid(frame) => frame.scene_from_mesh.transform_point3(at_rest(index)),
+            Placing::Skinned(joints) => {
+                blend(joints, &self.primitive.influences[index]).transform_point3(at_rest(index))
+            }
+        };
+        self.indices().map(|index| ScenePoint(place(index))).collect()
+    }
+
+    fn surface(&self) -> Attributes {
+        let active = self.active_targets();
+        let vertices = self.indices().map(|index| self.vertex(index, &active));
+        let is_bent = matches!(self.placing, Placing::Skinned(_)) || !active.is_empty();
+        if !(self.primitive.has_flat_normals && is_bent) {
+            return self.attributes(vertices);
+        }
+        let mut vertices: Vec<Vertex> = vertices.collect();
+        flatten(&self.primitive.triangles, &mut vertices);
+        self.attributes(vertices.into_par_iter().with_min_len(CHUNK))
+    }
+
+    /// Separates the attributes of vertices. There are tangents if the primitive has some.
+    fn attributes(&self, vertices: impl IndexedParallelIterator<Item = Vertex>) -> Attributes {
+        let pair = |vertex: &Vertex| (ScenePoint(vertex.position), SceneVector(vertex.normal));
+        if self.primitive.tangents.is_empty() {
+            let (positions, normals) = vertices.map(|vertex| pair(&vertex)).unzip();
+            return (positions, (normals, Vec::new()));
+        }
+        let apart = |vertex: Vertex| {
+            let (position, normal) = pair(&vertex);
+            (position, (normal, vertex.tangent))
+        };
+        vertices.map(apart).unzip()
     }
 
     /// Returns the targets with nonzero weight.
@@ -159,13 +210,16 @@ fn morph(primitive: &Primitive, index: usize, active: &[(f32, &MorphTarget)]) ->
         side: 1.0,
     };
     for (weight, target) in active {
-        // Each list may be empty: no displacement.
-        let by = |list: &[Vec3]| list.get(index).copied().unwrap_or_default() * *weight;
-        vertex.position += by(&target.positions);
-        vertex.normal += by(&target.normals);
-        vertex.tangent += by(&target.tangents).extend(0.0);
+        vertex.position += by(&target.positions, index, *weight);
+        vertex.normal += by(&target.normals, index, *weight);
+        vertex.tangent += by(&target.tangents, index, *weight).extend(0.0);
     }
     vertex
+}
+
+/// Returns a weighted displacement; none if the list is empty.
+fn by(list: &[Vec3], index: usize, weight: f32) -> Vec3 {
+    list.get(index).copied().unwrap_or_default() * weight
 }
 
 /// Returns the weighted sum of joint matrices (linear blend skinning).

@@ -8,6 +8,7 @@ mod sample;
 
 use crate::scene::{Clip, LightKind, Scene};
 use crate::space::{ScenePoint, SceneVector};
+use deform::Detail;
 use glam::{DMat4, Mat4, Vec3, Vec4};
 use sample::Moved;
 
@@ -75,10 +76,20 @@ pub struct ClipChoice {
 /// ```
 #[must_use]
 pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
+    posed(scene, choice, seconds, Detail::Surface)
+}
+
+/// Poses as [`pose`] does, without normals and tangents: for bounds.
+#[must_use]
+pub(crate) fn pose_positions(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
+    posed(scene, choice, seconds, Detail::Positions)
+}
+
+fn posed(scene: &Scene, choice: ClipChoice, seconds: f64, detail: Detail) -> Pose {
     let moved = moved(scene, choice, seconds);
     let scene_from_node = hierarchy::scene_from_nodes(scene, &moved);
     Pose {
-        parts: deform::parts(scene, &moved, &scene_from_node),
+        parts: deform::parts(scene, (&moved, &scene_from_node), detail),
         lights: hierarchy::lights(scene, &scene_from_node),
         scene_from_node: scene_from_node.iter().map(DMat4::as_mat4).collect(),
     }
@@ -123,4 +134,23 @@ pub(crate) fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Loc
 fn clip_seconds(clip: &Clip, is_looped: bool, seconds: f64) -> f64 {
     let end = f64::from(clip.end_secs);
     if is_looped && end > 0.0 { seconds.rem_euclid(end) } else { seconds }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn positions_alone_are_those_of_the_surface() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/walker/walker.glb");
+        let scene = crate::scene::load(&path).expect("a bundled scene");
+        let choice = ClipChoice { clip: Some(0), is_looped: true };
+        let (whole, positions) = (pose(&scene, choice, 0.3), pose_positions(&scene, choice, 0.3));
+        assert!(!whole.parts.is_empty() && whole.scene_from_node == positions.scene_from_node);
+        for (whole, alone) in whole.parts.iter().zip(&positions.parts) {
+            assert_eq!(whole.positions, alone.positions);
+            assert!(!whole.normals.is_empty() && alone.normals.is_empty() && alone.tangents.is_empty());
+        }
+    }
 }

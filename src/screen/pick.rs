@@ -9,6 +9,10 @@ use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::space::ScreenPoint;
 use glam::DVec2;
+use rayon::prelude::*;
+
+/// Number of triangles that a thread tests at a time.
+const CHUNK: usize = 16_384;
 
 /// A surface point hit by a pick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +36,19 @@ pub(crate) fn pick(scene: &Scene, pose: &Pose, mesh: &ScreenMesh, near: f64, at:
             let (barycentric, depth) = hit_triangle(corners.map(|corner| vertices[corner as usize]), near, at)?;
             Some(Hit { part, triangle, barycentric, depth })
         };
-        primitive(scene, posed).triangles.iter().enumerate().filter_map(of_triangle)
+        let of_chunk = move |(chunk, triangles): (usize, &[[u32; 3]])| {
+            let numbered = triangles.iter().enumerate().map(|(index, corners)| (chunk * CHUNK + index, corners));
+            nearest(numbered.filter_map(of_triangle))
+        };
+        let hits = primitive(scene, posed).triangles.par_chunks(CHUNK).enumerate().map(of_chunk);
+        hits.collect::<Vec<Option<Hit>>>().into_iter().flatten()
     };
-    pose.parts.iter().enumerate().flat_map(of_part).min_by(|a, b| a.depth.total_cmp(&b.depth))
+    nearest(pose.parts.iter().enumerate().flat_map(of_part))
+}
+
+/// Returns the hit with the least depth; the first one of several.
+fn nearest(hits: impl Iterator<Item = Hit>) -> Option<Hit> {
+    hits.min_by(|a, b| a.depth.total_cmp(&b.depth))
 }
 
 /// Returns the barycentric coordinates (in scene space) and depth of a screen point on a triangle.

@@ -57,6 +57,16 @@ fn drawn_pictures(window: &Window) -> Vec<[f32; 2]> {
     found
 }
 
+/// Lays a picture of the shot's folder over the frame.
+fn lay_over(window: &mut Window, name: &str) {
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
+    window.run_steps(2);
+    window.get_by_label(name).click();
+    window.run_steps(2);
+    window.get_by_label("Choose").click();
+    window.run_steps(3);
+}
+
 #[test]
 fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
     let stage = Stage::new();
@@ -67,12 +77,13 @@ fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);
     let [[frame, _]] = drawn_pictures(&window)[..] else { panic!("the frame alone") };
-    for path in [&low, &high, &low] {
-        let editor = window.state_mut().as_mut().and_then(|editor| editor.session_mut());
-        editor.expect("a shot is open").add_reference(path).expect("a picture");
+    for name in ["low.png", "high.png", "low.png"] {
+        lay_over(&mut window, name);
     }
-    window.get_by_label("View").click();
-    window.run_steps(3);
+    for menu in ["View", "Reference pictures"] {
+        window.get_by_label(menu).click();
+        window.run_steps(3);
+    }
     assert_eq!(drawn_pictures(&window), [[frame, 1.0], [frame, 0.5], [frame, 0.5]], "what is there is not added again");
     let number = |window: &Window, label: &str, value: f64| {
         window.get_all_by_label(label).next().expect("it is there").set_value_accesskit(value);
@@ -82,11 +93,36 @@ fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
     window.get_by_label("low.png above the frame").click();
     window.run_steps(3);
     assert_eq!(drawn_pictures(&window), [[frame, 0.2], [frame, 1.0], [0.5 * frame, 0.5]]);
-    window.get_by_label("View").click();
-    window.run_steps(3);
     window.get_by_label("Remove low.png").click();
     window.run_steps(3);
     assert_eq!(drawn_pictures(&window), [[frame, 1.0], [0.5 * frame, 0.5]]);
+}
+
+#[test]
+fn menus_stay_open_at_switches_and_close_at_actions() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let shown = |window: &Window| window.query_by_label("Names of pins").is_some();
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    for switch in ["Names of pins", "Rest places", "Onion skin", "Tint before", "Light"] {
+        window.get_by_label(switch).click();
+        window.run_steps(3);
+        assert!(shown(&window), "the menu closed at '{switch}'");
+        if let Some(red) = window.query_all_by_label("Tint before, red").next() {
+            red.set_value_accesskit(10.0);
+        }
+        window.run_steps(2);
+    }
+    window.get_by_label_contains("Fit the picture").click();
+    window.run_steps(3);
+    assert!(!shown(&window), "an action closes the menu");
+    let kept =
+        fs::read_to_string(stage.state().join("view.json")).expect("it is kept").replace(char::is_whitespace, "");
+    for part in ["\"names\":false", "\"rest\":false", "\"count\":1", "[10,150,130]", "\"theme\":\"light\""] {
+        assert!(kept.contains(part), "{part} in {kept}");
+    }
 }
 
 fn key(window: &mut Window, key: Key, pressed: bool) {

@@ -2,7 +2,7 @@
 
 use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
 use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
-use pinwarp::shot::{Goal, Pin};
+use pinwarp::shot::{Goal, Pin, Rotation};
 
 fn pin(session: &Session, layer: usize, pin: usize) -> &Pin {
     &session.document().shot().layers[layer].pins[pin]
@@ -234,4 +234,23 @@ fn a_click_right_after_a_drag_or_another_frame_places_a_pin_where_it_is_seen() {
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     let mark = session.marks()[0].pins[2].clone();
     assert!((mark.target.0 - glam::DVec2::new(0.7, 0.4)).length() < 1e-4, "{mark:?}");
+}
+
+#[test]
+fn a_ring_can_be_dragged_around_more_than_once() {
+    let (_stage, mut session) = Stage::open();
+    place_pin(&mut session, at(0.4, 0.5));
+    let center = session.marks()[0].pins[0].target.0;
+    let on = |turns: f64| {
+        let (sin, cos) = (turns * std::f64::consts::TAU).sin_cos();
+        at(center.x + 0.2 * cos, center.y + 0.2 * sin)
+    };
+    for [from, to, turned] in [[0.0, 1.5, 540.0], [0.0, -2.0, -180.0]] {
+        session.press(on(from), (REACH, Ring { radius: 0.2, reach: 0.02 }), Held::default());
+        (1..=16).for_each(|step| session.motion(on(from + (to - from) * f64::from(step) / 16.0)));
+        session.release();
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+        let key = pin(&session, 0, 0).keys[0];
+        assert_eq!(key.rotate_degrees, Some(Rotation::InView(turned)), "{from} to {to} turns");
+    }
 }

@@ -26,6 +26,8 @@ pub(super) enum Gesture {
     Turn {
         center: ScreenPoint,
         from: ScreenPoint,
+        /// The angle so far, radians.
+        turned: f64,
         base: Arc<Shot>,
     },
     /// Turns a pin about an axis of the scene.
@@ -37,6 +39,8 @@ pub(super) enum Gesture {
         axis: usize,
         ring: AxisRing,
         from: ScreenPoint,
+        /// The angle so far, radians.
+        turned: f64,
         base: Arc<Shot>,
     },
     /// Rest position of the pin.

@@ -343,6 +343,8 @@ impl Session {
     fn change(&mut self, label: &str, text: Result<String, ShotError>, series: Option<&str>) -> bool {
         match text.and_then(|text| self.document.change(label, text, series)) {
             Ok(()) => {
+                // What was said about an earlier action holds no longer.
+                self.message = None;
                 self.document_changed();
                 true
             }

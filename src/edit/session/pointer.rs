@@ -7,6 +7,7 @@ use super::painting::BRUSH_RADII;
 use super::shown::Wipe;
 use super::{Purpose, Session};
 use crate::edit::EditError;
+use crate::edit::axis_ring::going_on;
 use crate::edit::track::{Move, PinScale, key_time, moved};
 use crate::edit::track_keys::{Track, TrackKeys};
 use crate::pipeline::LayerMarks;
@@ -155,9 +156,11 @@ impl Session {
                     self.show_dragged(dragged);
                 }
             }
-            Gesture::Turn { center, from, base } => {
+            Gesture::Turn { center, from, turned, base } => {
                 let ([start, now], base) = ([*from, to].map(|point| (point - *center).0), Arc::clone(base));
-                let turned = self.dragged_shot(&base, Move::Turn(start.angle_to(now).to_degrees()));
+                *turned = going_on(start.angle_to(now), *turned);
+                let change = Move::Turn(turned.to_degrees());
+                let turned = self.dragged_shot(&base, change);
                 let factor = now.length() / start.length().max(1e-9);
                 let grown = match turned {
                     Ok(shot) if grows && factor > 0.0 => self.dragged_shot(&shot, Move::Grow(factor)),
@@ -165,9 +168,10 @@ impl Session {
                 };
                 self.show_dragged(grown);
             }
-            Gesture::TurnAbout { center, radius, axis, ring, from, base } => {
-                let ([start, now], base) = ([*from, to].map(|point| (point - *center).0 / *radius), Arc::clone(base));
-                let change = Move::TurnAbout(*axis, ring.angle(start, now).to_degrees());
+            Gesture::TurnAbout { center, radius, axis, ring, from, turned, base } => {
+                let (ends, base) = ([*from, to].map(|point| (point - *center).0 / *radius), Arc::clone(base));
+                *turned = ring.angle(ends, *turned);
+                let change = Move::TurnAbout(*axis, turned.to_degrees());
                 let turned = self.dragged_shot(&base, change);
                 self.show_dragged(turned);
             }

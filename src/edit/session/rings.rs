@@ -34,11 +34,12 @@ impl Session {
         let away = (at - center).0;
         let Some(rings) = self.axis_rings() else {
             let is_near = (away.length() - ring.radius).abs() <= ring.reach;
-            return is_near.then_some(Gesture::Turn { center, from: at, base });
+            return is_near.then_some(Gesture::Turn { center, from: at, turned: 0.0, base });
         };
         let far = rings.map(|axis_ring| axis_ring.distance(away / ring.radius));
         let hit = (0..3).filter(|&axis| far[axis].0 * ring.radius <= ring.reach);
         let axis = hit.min_by(|&a, &b| far[b].1.cmp(&far[a].1).then(far[a].0.total_cmp(&far[b].0)))?;
-        Some(Gesture::TurnAbout { center, radius: ring.radius, axis, ring: rings[axis], from: at, base })
+        let (radius, turned) = (ring.radius, 0.0);
+        Some(Gesture::TurnAbout { center, radius, axis, ring: rings[axis], from: at, turned, base })
     }
 }

@@ -78,6 +78,7 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
         Action::Key => session.insert_keys(),
         Action::RangeIn => session.playhead.set_range(Some([frame, last.max(frame)])),
         Action::RangeOut => session.playhead.set_range(Some([first.min(frame), frame])),
+        Action::RangeAll => session.playhead.set_range(None),
         Action::Fit => session.zoom = crate::edit::Zoom::Fit,
         Action::OneToOne => zoom(session, 1.0 / f64::from(ctx.pixels_per_point()), None),
         Action::ZoomIn => zoom(session, 1.25, Some(())),

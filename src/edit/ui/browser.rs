@@ -1,7 +1,7 @@
 //! The file browser inside the editor's window, for opening and saving.
 
 use super::accessible::Accessible;
-use eframe::egui::{self, Align2, Key, ScrollArea, TextEdit, vec2};
+use eframe::egui::{self, Align, Align2, Key, Label, Layout, RichText, ScrollArea, TextEdit, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -18,6 +18,10 @@ const PICTURES: [&str; 4] = ["exr", "png", "jpg", "jpeg"];
 
 /// Extensions of files that can be opened.
 const KNOWN: [&str; 8] = ["toml", "glb", "gltf", "png", "jpg", "jpeg", "exr", "json"];
+
+/// What can be opened.
+const EVERYTHING: &str =
+    "Shots (.toml), scenes (.glb, .gltf), pictures (.png, .jpg, .exr), plates: frame.####.exr, problems (.json)";
 
 /// A file browser window.
 pub(super) struct Browser {
@@ -55,7 +59,8 @@ impl Browser {
         let known = entries.filter_map(|entry| {
             let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-            let is_known = path.is_dir() || ending.is_some_and(|ending| KNOWN.contains(&ending.as_str()));
+            let known = if self.purpose == Purpose::Reference { &PICTURES[..] } else { &KNOWN[..] };
+            let is_known = path.is_dir() || ending.is_some_and(|ending| known.contains(&ending.as_str()));
             (is_known && !name.starts_with('.')).then(|| (name, path.is_dir()))
         });
         self.entries = known.collect();
@@ -67,26 +72,31 @@ impl Browser {
     }
 
     pub(super) fn show(&mut self, ctx: &egui::Context) -> Choice {
-        let title = match self.purpose {
-            Purpose::Open => "Open",
-            Purpose::SaveAs => "Save as",
-            Purpose::Reference => "Reference picture",
+        let (title, verb, kinds) = match self.purpose {
+            Purpose::Open => ("Open", "Open", EVERYTHING),
+            Purpose::SaveAs => ("Save as", "Save", "Shots (.toml)"),
+            Purpose::Reference => {
+                ("Reference picture", "Lay over", "Pictures (.png, .jpg, .exr), sequences: draw.####.png")
+            }
         };
         let mut choice = Choice::None;
         let window = egui::Window::new(title).collapsible(false).resizable(true).default_size(vec2(560.0, 420.0));
         window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
-            ui.horizontal(|ui| {
-                let field = TextEdit::singleline(&mut self.path).desired_width(ui.available_width() - 150.0);
-                let response = ui.add(field).accessible("Path");
-                let is_entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-                if ui.button(title).accessible("Choose").clicked() || is_entered {
-                    choice = self.chosen();
-                }
+            // The buttons come first, so that the path takes what is left.
+            let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
                 if ui.button("Cancel").clicked() || ui.input(|input| input.key_pressed(Key::Escape)) {
                     choice = Choice::Cancelled;
                 }
+                let is_chosen = ui.button(verb).accessible("Choose").clicked();
+                let field = TextEdit::singleline(&mut self.path).desired_width(ui.available_width());
+                let response = ui.add(field).accessible("Path");
+                let is_entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                if is_chosen || is_entered {
+                    choice = self.chosen();
+                }
             });
-            ui.weak("Shots (.toml), scenes (.glb, .gltf), pictures (.png, .jpg, .exr), plates: frame.####.exr, problems (.json)");
+            ui.add(Label::new(RichText::new(kinds).weak()).wrap());
             ui.separator();
             ScrollArea::vertical().auto_shrink(false).max_height(360.0).show(ui, |ui| {
                 let mut entered = None;

@@ -46,6 +46,15 @@ impl Kind {
             Self::Scale => &[Channel::Scale],
         }
     }
+
+    /// Returns what to do where there are no curves.
+    const fn missing(self) -> &'static str {
+        match self {
+            Self::Place => "There is no pin yet: click the model in the picture.",
+            Self::Rotation => "No key turns a pin: click a pin, and drag the ring around it.",
+            Self::Scale => "No key scales a pin: click a pin, hold Shift, and drag the ring around it.",
+        }
+    }
 }
 
 /// The drag in progress. The axis is frozen when the drag begins.
@@ -114,12 +123,12 @@ impl CurveView {
         ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui, session, &curves));
         let axis = self.drag.map_or_else(|| axis_of(&curves, rect.shrink2(vec2(0.0, 10.0))), |drag| drag.axis);
         let plot = Rect::from_min_max(pos2(rect.left() + NAMES, rect.top()), rect.max);
-        let painter = ui.painter_at(rect);
-        grid(&painter, plot, axis, ui.visuals().weak_text_color());
+        let (painter, weak) = (ui.painter_at(rect), ui.visuals().weak_text_color());
         if curves.is_empty() {
-            let words = "The selected pins have no such channel: click one in the picture.";
-            let weak = ui.visuals().weak_text_color();
+            let words = self.kind.missing();
             painter.text(plot.center(), Align2::CENTER_CENTER, words, FontId::proportional(12.5), weak);
+        } else {
+            grid(&painter, plot, axis, weak);
         }
         playhead(&painter, plot, session, scale);
         for curve in &curves {

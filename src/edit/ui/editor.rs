@@ -84,8 +84,8 @@ impl Editor {
         self.session.as_ref()
     }
 
-    /// Returns the open session mutably, for tests and scripts.
-    pub const fn session_mut(&mut self) -> Option<&mut Session> {
+    /// Returns the open session mutably.
+    pub(super) const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
 

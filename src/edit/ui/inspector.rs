@@ -144,25 +144,12 @@ fn three(ui: &mut Ui, what: &str, (mut values, speed): ([f64; 3], f64)) -> Optio
 }
 
 fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
-    let angle = match key.rotate_degrees {
-        None => Some(None),
-        Some(Rotation::InView(angle)) => Some(Some(angle)),
-        Some(Rotation::Axes(_)) => None,
-    };
-    if let Some(Rotation::Axes(angles)) = key.rotate_degrees {
-        ui.label("Rotation").on_hover_text("degrees about x, then y, then z");
-        if let Some(new) = three(ui, "Rotation", (angles, 0.5)) {
-            session.put_key(at, PinKey { rotate_degrees: Some(Rotation::Axes(new)), ..key });
-        }
-    }
-    if let Some(angle) = angle {
-        ui.label("Rotation");
-        let mut new = angle.unwrap_or(0.0);
-        let number = free_number(DragValue::new(&mut new).speed(0.5), angle.is_none(), "\u{b0}");
-        if held_or_free(ui, session, (at, Channel::Rotation), (number, "Rotation", angle.is_none())) {
-            session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
-        }
-        ui.end_row();
+    let is_in_scene = matches!(key.goal, Goal::SceneOffset(_) | Goal::SceneTarget(_));
+    match key.rotate_degrees {
+        Some(Rotation::Axes(angles)) => turn_in_scene(ui, session, (at, key), Some(angles)),
+        None if is_in_scene => turn_in_scene(ui, session, (at, key), None),
+        Some(Rotation::InView(angle)) => turn_in_view(ui, session, (at, key), Some(angle)),
+        None => turn_in_view(ui, session, (at, key), None),
     }
     ui.label("Scale");
     let mut scale = key.scale.unwrap_or(1.0);
@@ -172,6 +159,36 @@ fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
         session.put_key(at, PinKey { scale: Some(scale), ..key });
     }
     ui.end_row();
+}
+
+/// Edits the angle in the view; `None`: free.
+fn turn_in_view(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angle: Option<f64>) {
+    ui.label("Rotation");
+    let mut new = angle.unwrap_or(0.0);
+    let number = free_number(DragValue::new(&mut new).speed(0.5), angle.is_none(), "\u{b0}");
+    if held_or_free(ui, session, (at, Channel::Rotation), (number, "Rotation", angle.is_none())) {
+        session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
+    }
+    ui.end_row();
+}
+
+/// Edits the angles about three axes; `None`: free.
+fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angles: Option<[f64; 3]>) {
+    let axes = [Channel::RotationX, Channel::RotationY, Channel::RotationZ];
+    let mut new = angles.unwrap_or_default();
+    let mut is_changed = false;
+    for ((value, channel), axis) in new.iter_mut().zip(axes).zip(["x", "y", "z"]) {
+        ui.label(if axis == "x" { "Rotation" } else { "" }).on_hover_text("degrees about x, then y, then z");
+        let number =
+            free_number(DragValue::new(value).speed(0.5), angles.is_none(), "\u{b0}").prefix(format!("{axis} "));
+        // One button frees all three.
+        let is_free = angles.is_none() || axis != "x";
+        is_changed |= held_or_free(ui, session, (at, channel), (number, &format!("Rotation {axis}"), is_free));
+        ui.end_row();
+    }
+    if is_changed {
+        session.put_key(at, PinKey { rotate_degrees: Some(Rotation::Axes(new)), ..key });
+    }
 }
 
 /// Makes a number field show "free" if the pin has no value in that channel.
@@ -255,7 +272,9 @@ fn report(ui: &mut Ui, session: &mut Session) {
     });
     ui.separator();
     let Some(solve) = session.solve().cloned() else { return ui.weak("The frame is not solved yet.").into_inner() };
-    if solve.report.layers.is_empty() {
+    if !solve.is_final {
+        ui.weak("The report comes with the rendered frame.");
+    } else if solve.report.layers.is_empty() {
         ui.weak("No layer is warped.");
     }
     let mut wanted = None;
@@ -267,7 +286,8 @@ fn report(ui: &mut Ui, session: &mut Session) {
             let is_bad = sign * worst > limit;
             let color = if is_bad { heat(3.0) } else { ui.visuals().text_color() };
             ui.label(RichText::new(format!("{worst:.3}")).color(color).monospace());
-            if ui.small_button("worst").on_hover_text("Go to the worst frame of those that are drawn").clicked() {
+            let button = ui.small_button("worst").on_hover_text("Go to the worst frame of those that are drawn");
+            if button.accessible_name(format!("Worst frame by {name}")).clicked() {
                 wanted = Some(index);
             }
             ui.end_row();

@@ -1,10 +1,11 @@
 //! The menu bar with the file's name and status, and the hint line.
 
-use super::accessible::Accessible;
 use super::keys::words;
 use super::references;
 use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
-use eframe::egui::{self, Button, RichText, ThemePreference, Ui};
+use eframe::egui::containers::menu::MenuConfig;
+use eframe::egui::widgets::color_picker;
+use eframe::egui::{self, Button, Color32, PopupCloseBehavior, RichText, ThemePreference, Ui};
 
 /// The default hint: the basic operations in one line.
 const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
@@ -14,11 +15,14 @@ const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn,
 pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
     let mut chosen = Vec::new();
     let is_open = session.is_some();
-    egui::MenuBar::new().ui(ui, |ui| {
+    // Switches and sliders leave their menu open, so that several can be set at once; actions close it.
+    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    egui::MenuBar::new().config(config).ui(ui, |ui| {
         let mut entry = |ui: &mut Ui, action: Action, is_enabled: bool| {
             let button = Button::new(action.words()).shortcut_text(words(shortcuts, action));
             if ui.add_enabled(is_enabled, button).clicked() {
                 chosen.push(action);
+                ui.close();
             }
         };
         ui.menu_button("File", |ui| {
@@ -67,8 +71,8 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
             theme(ui);
         });
         ui.menu_button("Time", |ui| {
-            use Action::{Back, First, Forward, KeyBack, KeyForward, Last, Play, RangeIn, RangeOut};
-            for action in [Play, Back, Forward, KeyBack, KeyForward, First, Last, RangeIn, RangeOut] {
+            use Action::{Back, First, Forward, KeyBack, KeyForward, Last, Play, RangeAll, RangeIn, RangeOut};
+            for action in [Play, Back, Forward, KeyBack, KeyForward, First, Last, RangeIn, RangeOut, RangeAll] {
                 entry(ui, action, is_open);
             }
         });
@@ -127,6 +131,7 @@ fn exports(ui: &mut Ui, session: &mut Session) {
             if ui.button(name).clicked() {
                 let wake = ui.ctx().clone();
                 session.export(format, move || wake.request_repaint());
+                ui.close();
             }
         }
     });
@@ -143,12 +148,19 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
             ui.add(egui::Slider::new(&mut onion.every, 1..=24).text("frames apart"));
         }
         ui.add(egui::Slider::new(&mut onion.opacity, 0.05..=1.0).text("opacity"));
-        ui.horizontal(|ui| {
-            for (tint, name) in onion.tints.iter_mut().zip(["Tint before", "Tint after"]) {
-                ui.color_edit_button_srgb(tint).accessible(name);
-                ui.label(name);
-            }
-        });
+        for (tint, name) in onion.tints.iter_mut().zip(["Tint before", "Tint after"]) {
+            ui.horizontal(|ui| {
+                let [red, green, blue] = *tint;
+                color_picker::show_color(ui, Color32::from_rgb(red, green, blue), ui.spacing().interact_size);
+                // A submenu, because a window of its own would close the menu.
+                ui.menu_button(name, |ui| {
+                    for (value, part) in tint.iter_mut().zip(["red", "green", "blue"]) {
+                        let slider = ui.add(egui::Slider::new(value, 0..=255).text(part));
+                        slider.accessible_name(format!("{name}, {part}"));
+                    }
+                });
+            });
+        }
     });
 }
 

@@ -4,16 +4,21 @@
 
 use super::accessible::Accessible;
 use crate::edit::{Lens, Picture, Session};
-use eframe::egui::{Color32, DragValue, Rect, Slider, Ui, vec2};
+use eframe::egui::{Color32, DragValue, Rect, ScrollArea, Slider, Ui, vec2};
 use std::sync::Arc;
 
-/// Shows the settings of all reference pictures, the uppermost first.
+/// Shows the submenu of the reference pictures, if there are any, the uppermost first.
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
     if session.references.is_empty() {
         return;
     }
     ui.separator();
-    ui.strong("Reference pictures");
+    ui.menu_button("Reference pictures", |ui| {
+        ScrollArea::vertical().max_height(420.0).show(ui, |ui| settings(ui, session));
+    });
+}
+
+fn settings(ui: &mut Ui, session: &mut Session) {
     let mut removed = None;
     for (place, reference) in session.references.iter_mut().enumerate().rev() {
         let name = reference.name();

@@ -5,7 +5,7 @@
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
-use super::mail::{Inbox, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
+use super::mail::{Inbox, Interrupts, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
     JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
@@ -89,13 +89,13 @@ impl FrameWorker {
                 }
                 Task::Answer(question) => sender.send(self.answer(question)),
                 Task::Job(mut job, serial) => {
-                    let is_stale = || inbox.newest.load(Ordering::Acquire) != serial;
-                    if let Err(error) = self.work(&mut job, &is_stale, sender)
-                        && !is_stale()
+                    let interrupts = Interrupts { inbox, serial };
+                    if let Err(error) = self.work(&mut job, &interrupts, sender)
+                        && !interrupts.is_stale()
                     {
                         sender.send(Reply::Failed(error.to_string()));
                     }
-                    if is_stale() {
+                    if interrupts.is_stale() {
                         put_back(inbox, job);
                     } else {
                         sender.send(Reply::Idle);
@@ -105,22 +105,17 @@ impl FrameWorker {
         }
     }
 
-    fn work(
-        &mut self,
-        job: &mut Job,
-        is_stale: &(dyn Fn() -> bool + Sync),
-        sender: &ReplySender,
-    ) -> Result<(), PipelineError> {
+    fn work(&mut self, job: &mut Job, interrupts: &Interrupts, sender: &ReplySender) -> Result<(), PipelineError> {
         self.load(job, sender)?;
         match job.purpose.clone() {
             Purpose::Drag(layers) => return self.drag(job, &layers, sender),
             Purpose::Paint => return self.paint(job, sender),
             Purpose::Play => self.play_frame(job.frame, job, sender)?,
             Purpose::Look if job.is_shown => {}
-            Purpose::Look => job.is_shown = self.look(job, is_stale, sender)?,
+            Purpose::Look => job.is_shown = self.look(job, interrupts, sender)?,
         }
         // Each frame leaves the list before it is drawn, in case a question interrupts.
-        while !is_stale() && !job.next.is_empty() {
+        while !interrupts.is_stale() && !job.next.is_empty() {
             let next = job.next.remove(0);
             self.play_frame(next, job, sender)?;
         }
@@ -142,6 +137,10 @@ impl FrameWorker {
         };
         if rework >= Rework::Stiffness {
             self.drag = None;
+        }
+        // A drag changes the keys of its own layers alone.
+        if rework > Rework::Nothing && !matches!(job.purpose, Purpose::Drag(_) | Purpose::Paint) {
+            self.set_drag_aside(job.frame);
         }
         // The brush goes on over the frame that is seen.
         if rework > Rework::Nothing && job.purpose != Purpose::Paint {
@@ -173,39 +172,58 @@ impl FrameWorker {
         }
     }
 
-    /// Draws a draft, then the rendered frame. Returns false if a newer message interrupted it.
-    fn look(
-        &mut self,
-        job: &Job,
-        is_stale: &(dyn Fn() -> bool + Sync),
-        sender: &ReplySender,
-    ) -> Result<bool, PipelineError> {
-        let Some(open) = &self.open else { return Ok(false) };
-        self.drag = None;
+    /// Keeps what the next drag of a frame needs, while other layers may change.
+    fn set_drag_aside(&mut self, frame: i32) {
+        let prepared = self.open.as_ref().map(OpenShot::prepared);
+        self.drag = self.drag.take().zip(prepared).and_then(|(drag, prepared)| drag.set_aside(prepared, frame));
+    }
+
+    /// Returns a frame solved for itself. What it took is kept for drags.
+    fn provisional(&mut self, frame: i32) -> Result<Option<Arc<TimeSample>>, PipelineError> {
+        let Some(open) = &self.open else { return Ok(None) };
         let prepared = open.prepared();
-        let was_settled = prepared.is_settled();
-        let sample =
-            if was_settled { prepared.mid_exposure(job.frame)? } else { Arc::new(prepared.provisional(job.frame)?) };
+        let kept = self.drag.take();
+        let solved = kept.and_then(|mut drag| drag.solve_all(prepared).is_ok().then_some(drag));
+        let drag = match solved {
+            Some(drag) => drag,
+            None => DragSolve::look(prepared, frame)?,
+        };
+        Ok(Some(Arc::clone(self.drag.insert(drag).sample())))
+    }
+
+    /// Draws a draft, then the rendered frame. Returns false if a newer message interrupted it.
+    fn look(&mut self, job: &Job, interrupts: &Interrupts, sender: &ReplySender) -> Result<bool, PipelineError> {
+        self.seen = None;
+        self.set_drag_aside(job.frame);
+        let Some(open) = &self.open else { return Ok(false) };
+        let was_settled = open.prepared().is_settled();
+        let settled = if was_settled { Some(open.prepared().mid_exposure(job.frame)?) } else { None };
+        let Some(sample) = settled.map_or_else(|| self.provisional(job.frame), |sample| Ok(Some(sample)))? else {
+            return Ok(false);
+        };
         self.seen = Some((job.frame, Arc::clone(&sample)));
         self.send_solved(job, (&sample, was_settled), sender);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((job.frame, job), (&sample, &KeptParts::default(), quality), LOOK_MS, sender)?;
+        let is_unwanted = || interrupts.is_pen_waiting();
+        self.draw((job.frame, job), (&sample, &KeptParts::default(), quality), (LOOK_MS, &is_unwanted), sender)?;
+        let is_stale = || interrupts.is_stale();
         if is_stale() {
             return Ok(false);
         }
         let Some(open) = &self.open else { return Ok(false) };
         let prepared = open.prepared();
         if !was_settled {
-            if !prepared.solve_trajectories(is_stale, &|part| sender.send(Reply::Progress(part)))? {
+            if !prepared.solve_trajectories(&is_stale, &|part| sender.send(Reply::Progress(part)))? {
                 return Ok(false);
             }
             sender.send(Reply::Progress(1.0));
             let sample = prepared.mid_exposure(job.frame)?;
             self.seen = Some((job.frame, Arc::clone(&sample)));
             self.send_solved(job, (&sample, true), sender);
+            self.set_drag_aside(job.frame);
         }
         let Some(open) = &self.open else { return Ok(false) };
-        let drawn = open.prepared().finished(self.device.as_deref_mut(), job.frame, is_stale)?;
+        let drawn = open.prepared().finished(self.device.as_deref_mut(), job.frame, &is_stale)?;
         let Some(frame) = drawn else { return Ok(false) };
         if job.with_before {
             self.send_before(job, sender)?;
@@ -218,9 +236,10 @@ impl FrameWorker {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let sample = prepared.unsolved_at(prepared.mid_exposure_time(f64::from(job.frame)))?;
-        let drawn = prepared.draft(self.device.as_deref_mut(), (&sample, &KeptParts::default()), prepared.shot.size)?;
-        let picture = Picture::of(&drawn, (job.frame, job.revision), Quality::Draft);
-        sender.send(Reply::Before(Arc::new(picture)));
+        let (kept, size) = (KeptParts::default(), prepared.shot.size);
+        let drawn = prepared.draft(self.device.as_deref_mut(), (&sample, &kept), size, &|| false)?;
+        let picture = drawn.map(|drawn| Picture::of(&drawn, (job.frame, job.revision), Quality::Draft));
+        picture.into_iter().for_each(|picture| sender.send(Reply::Before(Arc::new(picture))));
         Ok(())
     }
 
@@ -232,22 +251,23 @@ impl FrameWorker {
         let own = Job { frame, ..job.clone() };
         self.send_solved(&own, (&sample, is_settled), sender);
         let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((frame, job), (&sample, &KeptParts::default(), quality), PLAY_MS, sender)
+        self.draw((frame, job), (&sample, &KeptParts::default(), quality), (PLAY_MS, &|| false), sender)
     }
 
     fn drag(&mut self, job: &Job, layers: &[usize], sender: &ReplySender) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let begun = Instant::now();
-        let mut drag = match self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers)) {
+        let known = self.drag.take().filter(|drag| drag.fits(prepared, job.frame, layers));
+        // Nothing else holds the sample, so that it is changed in place.
+        self.seen = None;
+        // A rotation that was not constrained before adds constraint rows, so the drag is prepared anew.
+        let solved = known.and_then(|mut drag| drag.solve(prepared, layers).is_ok().then_some(drag));
+        let mut drag = match solved {
             Some(drag) => drag,
             None => DragSolve::begin(prepared, job.frame, layers)?,
         };
-        if drag.solve(prepared).is_err() {
-            // A rotation that was not constrained before adds constraint rows, so the drag is prepared anew.
-            drag = DragSolve::begin(prepared, job.frame, layers)?;
-            drag.solve(prepared)?;
-        }
+        drag.take_up(prepared, layers);
         let marks = [&layer_marks(prepared, drag.sample())[..], drag.resting()].concat();
         let solved = self.solved(job, (drag.sample(), false), marks);
         sender.send(Reply::Solved(Arc::new(solved)));
@@ -256,7 +276,7 @@ impl FrameWorker {
         let is_slow = self.drafts.least_ms().is_some_and(|least| least > SLOW_MS && least > self.still_ms);
         if !(is_slow && self.warp_still(job, &mut drag, sender)?) {
             let quality = Quality::Provisional;
-            self.draw((job.frame, job), (drag.sample(), drag.at_rest(), quality), left_ms, sender)?;
+            self.draw((job.frame, job), (drag.sample(), drag.at_rest(), quality), (left_ms, &|| false), sender)?;
         }
         self.drag = Some(drag);
         Ok(())
@@ -297,19 +317,20 @@ impl FrameWorker {
         SolvedFrame { frame: job.frame, revision: job.revision, marks, report, is_final }
     }
 
-    /// Draws a draft.
+    /// Draws a draft, unless it becomes unwanted.
     fn draw(
         &mut self,
         (frame, job): (i32, &Job),
         (sample, kept, quality): (&TimeSample, &KeptParts, Quality),
-        longest_ms: f64,
+        (longest_ms, is_unwanted): (f64, &(dyn Fn() -> bool + Sync)),
         sender: &ReplySender,
     ) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let full: FrameSize = open.prepared().shot.size;
         let size = self.drafts.within(full, longest_ms);
         let begun = Instant::now();
-        let drawn = open.prepared().draft(self.device.as_deref_mut(), (sample, kept), size)?;
+        let drawn = open.prepared().draft(self.device.as_deref_mut(), (sample, kept), size, is_unwanted)?;
+        let Some(drawn) = drawn else { return Ok(()) };
         let picture = Picture::of(&drawn, (frame, job.revision), quality);
         if self.device.is_some() {
             self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
@@ -334,7 +355,7 @@ impl FrameWorker {
             return Ok(Some(Arc::clone(sample)));
         }
         if let Some(sample) = self.drag.as_ref().and_then(|drag| drag.sample_of(frame)) {
-            return Ok(Some(Arc::new(sample.clone())));
+            return Ok(Some(Arc::clone(sample)));
         }
         let prepared = open.prepared();
         let sample =

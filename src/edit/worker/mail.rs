@@ -5,9 +5,9 @@ use crate::pipeline::{BrushPoint, FrameReport, LayerMarks, PaintedPlace, PickedP
 use crate::shot::Shot;
 use crate::space::ScreenPoint;
 use std::collections::VecDeque;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Condvar, Mutex};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 /// A requested frame.
 #[derive(Clone, Debug)]
@@ -135,6 +135,30 @@ pub(super) struct Queue {
     /// Whether the shot's files changed.
     pub(super) is_stale: bool,
     pub(super) is_over: bool,
+}
+
+/// What long work asks for while it goes on.
+pub(super) struct Interrupts<'a> {
+    pub(super) inbox: &'a Inbox,
+    /// The number of the message that began the work.
+    pub(super) serial: u64,
+}
+
+impl Interrupts<'_> {
+    /// Returns whether there is a newer message.
+    pub(super) fn is_stale(&self) -> bool {
+        self.inbox.newest.load(Ordering::Acquire) != self.serial
+    }
+
+    /// Returns whether the pen waits for an answer or for the first marks of a drag: drafts are then given up, too.
+    pub(super) fn is_pen_waiting(&self) -> bool {
+        if !self.is_stale() {
+            return false;
+        }
+        let queue = self.inbox.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_pen = |job: &Job| matches!(job.purpose, Purpose::Drag(_) | Purpose::Paint);
+        queue.is_over || !queue.questions.is_empty() || queue.job.as_ref().is_some_and(is_pen)
+    }
 }
 
 /// The worker thread's end of the replies.

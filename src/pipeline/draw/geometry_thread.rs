@@ -9,7 +9,7 @@ use crate::image::CameraMatrices;
 use crate::pipeline::evaluate::camera_cuts::{exposure_time, take_at};
 use crate::pipeline::prepare::lighting;
 use crate::pipeline::{FrameReport, JerkMeter, PassPlan, PipelineError, PreparedShot, TimeSample, plan_passes};
-use crate::raster::geometry::{self, Assembly, KeptParts, PartWarp, assemble_keeping};
+use crate::raster::geometry::{self, Assembly, IsCancelled, KeptParts, PartWarp, assemble_keeping};
 use crate::raster::{ChannelGroup, Geometry, PassRole};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -152,7 +152,7 @@ pub(in crate::pipeline) fn geometry_of(
     now: &TimeSample,
     around: Option<[&TimeSample; 2]>,
 ) -> Geometry {
-    geometry_keeping(prepared, now, around, &KeptParts::default())
+    built(prepared, (now, None), around, (&KeptParts::default(), &|| false)).unwrap_or_default()
 }
 
 /// Builds the geometry of one time with its motion to another, and edges split for the warps of `curved`, one of the two:
@@ -163,25 +163,26 @@ pub(in crate::pipeline) fn geometry_between(
     curved: &TimeSample,
 ) -> Geometry {
     let warps = curved.warps(&prepared.assignment, |_| true);
-    built(prepared, (now, Some(&warps)), Some([other; 2]), &KeptParts::default())
+    let around = Some([other; 2]);
+    built(prepared, (now, Some(&warps)), around, (&KeptParts::default(), &|| false)).unwrap_or_default()
 }
 
-/// Same as [`geometry_of`], with parts that have been built before.
+/// Builds the geometry of a solved time without motion, with parts that have been built before. `None` if it was cancelled.
 pub(in crate::pipeline) fn geometry_keeping(
     prepared: &PreparedShot,
     now: &TimeSample,
-    around: Option<[&TimeSample; 2]>,
     kept: &KeptParts,
-) -> Geometry {
-    built(prepared, (now, None), around, kept)
+    is_cancelled: &IsCancelled,
+) -> Option<Geometry> {
+    built(prepared, (now, None), None, (kept, is_cancelled))
 }
 
 fn built(
     prepared: &PreparedShot,
     (now, split_for): (&TimeSample, Option<&[PartWarp]>),
     around: Option<[&TimeSample; 2]>,
-    kept: &KeptParts,
-) -> Geometry {
+    (kept, is_cancelled): (&KeptParts, &IsCancelled),
+) -> Option<Geometry> {
     let warps = now.warps(&prepared.assignment, |_| true);
     let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
     let neighbours = around
@@ -197,11 +198,11 @@ fn built(
         environment: lighting::environment(&prepared.shot, &now.pose),
         line_width: LINE_WIDTH.max(1.0 / f64::from(prepared.shot.size.height)),
     };
-    let mut geometry = assemble_keeping(&assembly, kept);
+    let mut geometry = assemble_keeping(&assembly, kept, is_cancelled)?;
     geometry
         .draws
         .retain(|draw| prepared.draw_inputs.hidden_layers.iter().all(|&layer| draw.layer_id != layer as u32 + 1));
-    geometry
+    Some(geometry)
 }
 
 /// Collects the report, overlay and camera of a solved frame.

@@ -83,7 +83,7 @@ pub(in crate::pipeline) fn screen_bounds(
 fn screen_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<2>> {
     let frame = prepared.same_view(frame);
     prepared.cache.screen_bounds.at(layer, frame, || {
-        let (pose, camera) = prepared.view(f64::from(frame));
+        let (pose, camera) = prepared.view_of_positions(f64::from(frame));
         let mesh = screen::project(&pose, &camera);
         let of_layer = |layer: usize| screen_bounds(prepared, layer, &pose, &mesh, &camera);
         (0..prepared.shot.layers.len()).map(of_layer).collect()
@@ -143,7 +143,7 @@ fn world_bounds(prepared: &PreparedShot, index: usize, pose: &Pose) -> Option<Bo
 fn world_bounds_at(prepared: &PreparedShot, layer: usize, frame: i32) -> Option<Bounds<3>> {
     let frame = prepared.same_view(frame);
     prepared.cache.world_bounds.at(layer, frame, || {
-        let (pose, _) = prepared.view(f64::from(frame));
+        let (pose, _) = prepared.view_of_positions(f64::from(frame));
         let is_world = |layer: usize| matches!(prepared.shot.layers[layer].space, LayerSpace::World { .. });
         let of_layer = |layer: usize| is_world(layer).then(|| world_bounds(prepared, layer, &pose)).flatten();
         (0..prepared.shot.layers.len()).map(of_layer).collect()

@@ -7,6 +7,10 @@ use super::part_triangle_ranges::{PartTriangleRanges, links_of_shape};
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::screen::{Corner, Projected, clip_near, primitive};
 use crate::solve::Shape;
+use rayon::prelude::*;
+
+/// Least number of vertices or triangles per thread.
+const MIN_LEN: usize = 4096;
 
 /// A layer's shape, and the origin of its triangles.
 pub(in crate::pipeline) struct ScreenShape {
@@ -34,17 +38,28 @@ pub(in crate::pipeline) fn screen_shape_with_starts(
         let base = shape.points.len() as u32;
         // Vertices behind the camera keep their index; no remaining triangle uses them.
         let place = |vertex: &Projected| if vertex.w > 0.0 { vertex.point().0.to_array() } else { [0.0; 2] };
-        shape.points.extend(vertices.iter().map(place));
+        shape.points.par_extend(vertices.par_iter().with_min_len(MIN_LEN).map(place));
         let source = primitive(&prepared.scene, &sample.pose.parts[part]);
         source.lines.iter().for_each(|line| add_visible_runs(&mut shape, line, (vertices, base), near));
+        let is_seen =
+            |ends: &[Projected; 3]| ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite());
+        let ends_of = |corners: &[u32; 3]| corners.map(|corner| vertices[corner as usize]);
+        let is_whole = |corners: &[u32; 3]| stiffness.meets(corners) && is_seen(&ends_of(corners));
+        if stiffness.is_even() && source.triangles.par_iter().with_min_len(MIN_LEN).all(is_whole) {
+            let first = shape.triangles.len() as u32;
+            let moved = |corners: &[u32; 3]| corners.map(|corner| corner + base);
+            shape.triangles.par_extend(source.triangles.par_iter().with_min_len(MIN_LEN).map(moved));
+            all.push(PartTriangleRanges { part, starts: (first..=shape.triangles.len() as u32).collect() });
+            continue;
+        }
         let mut starts = Vec::with_capacity(source.triangles.len() + 1);
         for (number, corners) in source.triangles.iter().enumerate() {
             starts.push(shape.triangles.len() as u32);
             if !stiffness.meets(corners) {
                 continue;
             }
-            let ends = corners.map(|corner| vertices[corner as usize]);
-            if ends.iter().all(|end| end.depth >= near && end.w > 0.0 && end.h.is_finite()) {
+            let ends = ends_of(corners);
+            if is_seen(&ends) {
                 shape.triangles.push(corners.map(|corner| corner + base));
             } else {
                 add_cut(&mut shape, ends, near);

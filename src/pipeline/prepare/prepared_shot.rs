@@ -14,7 +14,7 @@ use crate::pipeline::evaluate::frame_cache::FrameCache;
 use crate::pipeline::pictures::Gallery;
 use crate::pipeline::trajectories::trajectory_files::TrajectoryFiles;
 use crate::pipeline::{PinAnchor, RestPoint};
-use crate::pose::{ClipChoice, Pose, PosedLight, is_still, pose};
+use crate::pose::{ClipChoice, Pose, PosedLight, is_still, pose, pose_positions};
 use crate::raster::geometry::Submesh;
 use crate::scene::Scene;
 use crate::screen::{self, Camera};
@@ -88,6 +88,13 @@ impl PreparedShot {
     #[must_use]
     pub fn view(&self, frame: f64) -> (Pose, Camera) {
         let pose = pose(&self.scene, self.clip, self.shot.frames.seconds(frame));
+        let camera = self.camera.at((&self.shot, &self.scene), frame, &pose);
+        (pose, camera)
+    }
+
+    /// Returns the same as [`Self::view`], without normals and tangents.
+    pub(in crate::pipeline) fn view_of_positions(&self, frame: f64) -> (Pose, Camera) {
+        let pose = pose_positions(&self.scene, self.clip, self.shot.frames.seconds(frame));
         let camera = self.camera.at((&self.shot, &self.scene), frame, &pose);
         (pose, camera)
     }

@@ -35,6 +35,11 @@ impl PartStiffness<'_> {
         self.share.meets(corners)
     }
 
+    /// Whether all triangles of the layer have the same stiffness.
+    pub(in crate::pipeline) const fn is_even(&self) -> bool {
+        !self.is_uneven
+    }
+
     /// Assigns the triangles last added to a shape the stiffness of the part's triangle from which they come.
     pub(in crate::pipeline) fn extend<const D: usize>(
         &self,

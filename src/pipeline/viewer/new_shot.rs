@@ -124,12 +124,13 @@ struct Hung<'a> {
 
 impl<'a> Hung<'a> {
     fn of(scene: &Scene, node: &'a scene::Node) -> Option<Self> {
+        let parent = node.parent?;
         let mesh = node.mesh.filter(|_| node.skin.is_none())?;
         let matrix = node.rest.matrix();
         let positions = scene.meshes[mesh].primitives.iter().flat_map(|primitive| &primitive.positions);
         let points = positions.map(|&position| [matrix.transform_point3(position); 2]);
         let corners = points.reduce(|[low, high], [point, _]| [low.min(point), high.max(point)])?;
-        Some(Self { node, parent: node.parent?, corners })
+        Some(Self { node, parent, corners })
     }
 
     /// Whether two different meshes hang from one node and their boxes overlap.

@@ -12,7 +12,7 @@ use crate::pipeline::evaluate::timed_world::Unsolved;
 use crate::pipeline::pictures::paint_frame;
 use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
-use crate::pipeline::{PipelineError, PreparedShot, TimeSample};
+use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::plate::{LayerJob, PlateJob, warp_plate};
 use crate::raster::geometry::KeptParts;
 use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
@@ -34,17 +34,42 @@ impl PreparedShot {
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
     pub fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
+        self.provisional_without(frame, &[])
+    }
+
+    /// As [`Self::provisional`], with some of the screen layers left unsolved.
+    ///
+    /// # Errors
+    /// As [`Self::provisional`].
+    pub(crate) fn provisional_without(&self, frame: i32, layers: &[usize]) -> Result<TimeSample, PipelineError> {
         let time = self.mid_exposure_time(f64::from(frame));
         let mut sample = self.world_solved_at(time, Unsolved::Alone)?;
-        for (index, layer) in self.shot.layers.iter().enumerate() {
-            let LayerSpace::Screen { bounds, .. } = layer.space else { continue };
-            sample.layers[index] = if self.is_solved_over_time(index) {
-                timed_layer::solve(self, &sample, index, bounds)?
-            } else {
-                screen_layer::solve(self, &sample, index, bounds)?
-            };
+        for index in (0..self.shot.layers.len()).filter(|index| !layers.contains(index)) {
+            if matches!(self.shot.layers[index].space, LayerSpace::Screen { .. }) {
+                sample.layers[index] = self.provisional_layer(&sample, index)?;
+            }
         }
         Ok(sample)
+    }
+
+    /// Returns the state of a screen layer in a sample, without waiting for its trajectory; as it is for a layer of the scene.
+    ///
+    /// # Errors
+    /// As [`Self::provisional`].
+    pub(crate) fn provisional_layer(&self, sample: &TimeSample, index: usize) -> Result<LayerState, PipelineError> {
+        match self.shot.layers[index].space {
+            LayerSpace::Screen { bounds, .. } if self.is_solved_over_time(index) => {
+                timed_layer::solve(self, sample, index, bounds)
+            }
+            LayerSpace::Screen { bounds, .. } => screen_layer::solve(self, sample, index, bounds),
+            LayerSpace::World { .. } => Ok(sample.layers[index].clone()),
+        }
+    }
+
+    /// Whether a provisional sample solves a layer from its keys for one frame alone.
+    #[must_use]
+    pub(crate) fn is_solved_alone(&self, index: usize) -> bool {
+        self.layer_inputs.loaded[index].is_none() && !self.is_solved_over_time(index)
     }
 
     /// Whether the trajectories of all layers that have one are solved.
@@ -105,7 +130,7 @@ impl PreparedShot {
         KeptParts::new(is_kept)
     }
 
-    /// Draws a solved time with one sample per pixel. `kept`: parts that have been built for this time before.
+    /// Draws a solved time with one sample per pixel; `None` if it was cancelled. `kept`: parts that have been built for this time before.
     ///
     /// # Errors
     /// [`PipelineError`] if drawing fails.
@@ -114,10 +139,11 @@ impl PreparedShot {
         device: Option<&mut Device>,
         (sample, kept): (&TimeSample, &KeptParts),
         size: FrameSize,
-    ) -> Result<Frame, PipelineError> {
-        match (device, &self.shot.source) {
+        is_cancelled: &IsCancelled,
+    ) -> Result<Option<Frame>, PipelineError> {
+        let drawn = match (device, &self.shot.source) {
             (Some(device), Source::Scene(_)) => {
-                let geometry = geometry_keeping(self, sample, None, kept);
+                let Some(geometry) = geometry_keeping(self, sample, kept, is_cancelled) else { return Ok(None) };
                 let target = Target {
                     frame: size,
                     window: size.window(),
@@ -126,11 +152,12 @@ impl PreparedShot {
                 };
                 device.start(&target)?;
                 device.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: PassRole::Beauty })?;
-                Ok(device.finish()?)
+                device.finish()?
             }
-            (_, Source::Frame) => self.warped_plate(sample),
-            _ => paint_frame(self, sample, &[sample.frame], &|_| Ok(sample.clone().into())),
-        }
+            (_, Source::Frame) => self.warped_plate(sample)?,
+            _ => paint_frame(self, sample, &[sample.frame], &|_| Ok(sample.clone().into()))?,
+        };
+        Ok(Some(drawn))
     }
 
     /// Returns a frame with the pixels of a render; `None` if it was stopped.

@@ -35,16 +35,16 @@ impl PreparedShot {
     pub(crate) fn warped_still(
         &self,
         device: &mut Device,
-        (sample, layers): (&TimeSample, &[usize]),
+        (sample, layers): (&mut TimeSample, &[usize]),
         size: FrameSize,
     ) -> Result<Option<WarpedStill>, PipelineError> {
         let is_flat = |&layer: &usize| matches!(self.shot.layers[layer].space, LayerSpace::Screen { .. });
         if !layers.iter().all(|layer| is_flat(layer) && !branches(&sample.layers[*layer])) {
             return Ok(None);
         }
-        let mut resting = sample.clone();
-        layers.iter().for_each(|&layer| resting.layers[layer] = LayerState::default());
-        let mut geometry = geometry_of(self, &resting, None);
+        let moved: Vec<LayerState> = layers.iter().map(|&layer| std::mem::take(&mut sample.layers[layer])).collect();
+        let mut geometry = geometry_of(self, sample, None);
+        layers.iter().zip(moved).for_each(|(&layer, state)| sample.layers[layer] = state);
         let draws = std::mem::take(&mut geometry.draws);
         let mut drawn = |is_drawn: &dyn Fn(usize) -> bool| {
             // Layer ids count from 1.
@@ -138,12 +138,14 @@ mod tests {
         let prepared = PreparedShot::new(Shot::read(&path).expect("a bundled shot")).expect("its scene");
         let mut device = open(&DeviceChoice::Cpu, &prepared.scene).expect("the CPU draws").0;
         let size = FrameSize { width: 480, height: 270, ..prepared.shot.size };
-        let sample = prepared.provisional(7).expect("solvable");
+        let mut sample = prepared.provisional(7).expect("solvable");
         let moved = |sample: &TimeSample| sample.layers.iter().filter(|state| state.solution.is_some()).count();
         assert_eq!(moved(&sample), 3, "all layers move in this frame");
-        let still = prepared.warped_still(&mut *device, (&sample, &[0, 1]), size).expect("drawn").expect("flat");
+        let still = prepared.warped_still(&mut *device, (&mut sample, &[0, 1]), size).expect("drawn").expect("flat");
         let warped = still.warped(&sample).expect("plain");
-        let drawn = prepared.draft(Some(&mut *device), (&sample, &KeptParts::default()), size).expect("drawn");
+        let kept = KeptParts::default();
+        let drawn =
+            prepared.draft(Some(&mut *device), (&sample, &kept), size, &|| false).expect("drawn").expect("wanted");
         let mut resting = sample.clone();
         resting.layers[0] = LayerState::default();
         let rest = still.warped(&resting).expect("plain");

@@ -25,25 +25,35 @@ use lines::LineClipper;
 use part_warp::EdgeBends;
 use rayon::prelude::*;
 use split::Splitter;
+use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) use vertex::vertex_triangles;
 use vertex::{ClipVertex, DepthRange, VertexList};
+
+/// Polled for cancellation; returns true once the geometry is no longer wanted.
+pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
+
+/// Number of vertices between two polls.
+const POLLED: u32 = 65_536;
 
 /// Assembles the geometry of one time.
 #[must_use]
 pub fn assemble(assembly: &Assembly) -> Geometry {
-    assemble_keeping(assembly, &KeptParts::default())
+    assemble_keeping(assembly, &KeptParts::default(), &|| false).unwrap_or_default()
 }
 
-/// Same as [`assemble`], with parts that have been built before.
+/// Same as [`assemble`], with parts that have been built before. `None` if it was cancelled.
 #[must_use]
-pub(crate) fn assemble_keeping(assembly: &Assembly, kept: &KeptParts) -> Geometry {
+pub(crate) fn assemble_keeping(assembly: &Assembly, kept: &KeptParts, is_cancelled: &IsCancelled) -> Option<Geometry> {
     let camera = assembly.now.camera;
     let range = DepthRange::of(assembly.now.pose, camera);
     let built = |part: usize| match kept.parts.get(part) {
-        Some(Some(kept)) => kept.get_or_init(|| build(assembly, part, range)).clone(),
-        _ => build(assembly, part, range),
+        Some(Some(kept)) => kept.get_or_init(|| build(assembly, part, range, &|| false)).clone(),
+        _ => build(assembly, part, range, is_cancelled),
     };
     let parts: Vec<BuiltPart> = (0..assembly.now.pose.parts.len()).into_par_iter().map(built).collect();
+    if is_cancelled() {
+        return None;
+    }
     let mut geometry = Geometry {
         eye: camera.eye(),
         parallel_view: camera.is_parallel().then(|| camera.towards_viewer()),
@@ -52,11 +62,11 @@ pub(crate) fn assemble_keeping(assembly: &Assembly, kept: &KeptParts) -> Geometr
         ..Geometry::default()
     };
     sort::join(parts, &mut geometry);
-    geometry
+    Some(geometry)
 }
 
-/// Projects, clips, splits and warps one part.
-fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
+/// Projects, clips, splits and warps one part; what is left out once it is cancelled is not seen.
+fn build(assembly: &Assembly, part: usize, range: DepthRange, is_cancelled: &IsCancelled) -> BuiltPart {
     let Assembly { scene, now, neighbours, .. } = *assembly;
     let posed = &now.pose.parts[part];
     let source = primitive(scene, posed);
@@ -69,7 +79,8 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     let list = VertexList::new(assembly, part);
     let submeshes = &assembly.submeshes[part];
     let (vertices, triangles, ends) = if source.lines.is_empty() {
-        faces(source, Splitter::new(list, source.triangles.len(), &bends), (now, part, submeshes), warped)
+        let splitter = Splitter::new(list, source.triangles.len(), &bends);
+        faces(source, splitter, (now, part, submeshes), warped, is_cancelled)
     } else {
         let clipper = LineClipper { vertices: &list, near: now.camera.near(), bends: &bends };
         let warped = |vertex: &ClipVertex| warped(vertex, PartPoint { weights: &[], triangle: 0 });
@@ -89,26 +100,37 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange) -> BuiltPart {
     BuiltPart { vertices, triangles, draws, is_blended: material.alpha == AlphaMode::Blend }
 }
 
-/// Returns vertices and triangles of a surface, submesh after submesh, and the end of each submesh's triangles.
+/// Returns vertices and triangles of a surface, submesh after submesh, and the end of each submesh's triangles. Once it is cancelled,
+/// something is missing.
 fn faces(
     source: &Primitive,
     mut splitter: Splitter,
     (now, part, submeshes): (PosedScene, usize, &[Submesh]),
     warped: impl Fn(&ClipVertex, PartPoint) -> RasterVertex + Send + Sync,
+    is_cancelled: &IsCancelled,
 ) -> (Vec<RasterVertex>, Vec<[u32; 3]>, Vec<usize>) {
     let near = now.camera.near();
     let mut ends = Vec::with_capacity(submeshes.len());
     for submesh in submeshes {
-        match &submesh.triangles {
-            None => (0..).zip(&source.triangles).for_each(|(number, corners)| splitter.add((number, *corners), near)),
-            Some(own) => own.iter().for_each(|&number| splitter.add((number, source.triangles[number as usize]), near)),
+        if is_cancelled() {
+            break;
         }
+        splitter.add_all(source, submesh.triangles.as_deref(), near);
         ends.push(splitter.count());
     }
     let (list, mut triangles) = splitter.finish();
-    let one = |index: u32| warped(&list.get(index), list.on_part(index));
+    let is_over = AtomicBool::new(is_cancelled());
+    let one = |index: u32| {
+        if index.is_multiple_of(POLLED) && is_cancelled() {
+            is_over.store(true, Ordering::Relaxed);
+        }
+        if is_over.load(Ordering::Relaxed) {
+            return RasterVertex::default();
+        }
+        warped(&list.get(index), list.on_part(index))
+    };
     let vertices: Vec<RasterVertex> = (0..list.len() as u32).into_par_iter().with_min_len(2048).map(one).collect();
-    if !now.warps[part].is_rest() {
+    if !now.warps[part].is_rest() && !is_over.into_inner() {
         keep_facing(&mut triangles, &list, &vertices);
     }
     (vertices, triangles, ends)
@@ -133,7 +155,7 @@ fn ribbons(
 /// fold shows its visible side instead of opening a hole.
 fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) {
     let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
-    for corners in triangles {
+    triangles.par_iter_mut().with_min_len(2048).for_each(|corners| {
         let before = side(corners.map(|corner| list.projected(corner).point().0));
         let after = side(corners.map(|corner| {
             let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
@@ -142,5 +164,5 @@ fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[Raster
         if before * after < 0.0 {
             corners.swap(1, 2);
         }
-    }
+    });
 }

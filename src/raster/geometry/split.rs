@@ -5,11 +5,16 @@
 
 use super::part_warp::EdgeBends;
 use super::vertex::VertexList;
+use crate::scene::Primitive;
 use crate::screen::{Corner, clip_near};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Maximum number of times an edge is halved: the longest edge on screen is then shorter than half a pixel at 4K.
 const MAX_HALVINGS: u32 = 11;
+
+/// Least number of triangles per thread.
+const MIN_TRIANGLES: usize = 4096;
 
 /// Collects the triangles of one part.
 pub(super) struct Splitter<'a> {
@@ -35,8 +40,32 @@ impl<'a> Splitter<'a> {
         Self { vertices, triangles: Vec::with_capacity(triangles), bends, triangle: 0, made: HashMap::new() }
     }
 
+    /// Adds triangles of the source mesh by their numbers; `None`: all.
+    pub(super) fn add_all(&mut self, source: &Primitive, numbers: Option<&[u32]>, near: f64) {
+        let count = numbers.map_or(source.triangles.len(), <[u32]>::len);
+        let numbered = |index: usize| {
+            let number = numbers.map_or(index as u32, |numbers| numbers[index]);
+            (number, source.triangles[number as usize])
+        };
+        // Nearly all triangles stay as they are, which each tells by itself.
+        let stays = |index: usize| self.stays(numbered(index).1, near);
+        let is_whole: Vec<bool> = (0..count).into_par_iter().with_min_len(MIN_TRIANGLES).map(stays).collect();
+        for (index, is_whole) in is_whole.into_iter().enumerate() {
+            let (number, corners) = numbered(index);
+            if is_whole { self.triangles.push(corners) } else { self.add((number, corners), near) }
+        }
+    }
+
+    /// Whether a triangle of the source mesh is neither clipped nor split.
+    fn stays(&self, corners: [u32; 3], near: f64) -> bool {
+        let [a, b, c] = corners;
+        let (cut, count) = clip_near(corners.map(|corner| self.vertices.projected(corner)), near);
+        let is_kept = count == 1 && cut[0].iter().all(|corner| corner.from == corner.to);
+        is_kept && ![[a, b], [b, c], [c, a]].into_iter().any(|[from, to]| self.is_bent(from, to))
+    }
+
     /// Adds one triangle of the source mesh.
-    pub(super) fn add(&mut self, (number, corners): (u32, [u32; 3]), near: f64) {
+    fn add(&mut self, (number, corners): (u32, [u32; 3]), near: f64) {
         self.triangle = number;
         let places = corners.map(|corner| self.vertices.projected(corner));
         let (cut, count) = clip_near(places, near);
@@ -78,9 +107,14 @@ impl<'a> Splitter<'a> {
 
     /// Returns the midpoint of an edge that must be split; otherwise `None`.
     fn middle(&mut self, a: u32, b: u32) -> Option<u32> {
+        self.is_bent(a, b).then(|| self.between((a, b), 0.5, EdgeVertex::Half))
+    }
+
+    /// Whether an edge must be split.
+    fn is_bent(&self, a: u32, b: u32) -> bool {
         let place = |vertex: u32| self.vertices.projected(vertex).point().0;
         let on = [a, b].map(|vertex| self.vertices.on_part(vertex));
-        self.bends.bends([place(a), place(b)], on).then(|| self.between((a, b), 0.5, EdgeVertex::Half))
+        self.bends.bends([place(a), place(b)], on)
     }
 
     /// Adds a triangle, or its pieces that are flat enough. Every curved edge is halved at every step, so an edge

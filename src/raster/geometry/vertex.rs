@@ -39,9 +39,11 @@ impl DepthRange {
     /// Returns the range that contains all of a pose.
     pub(super) fn of(pose: &Pose, camera: &Camera) -> Self {
         let near = camera.near();
-        let points = || pose.parts.iter().flat_map(|part| &part.positions);
-        let depths = || points().map(|&point| camera.project(point).depth);
-        let far = camera.is_parallel().then(|| depths().filter(|depth| depth.is_finite()).fold(near + 1e-3, f64::max));
+        let farthest = |part: &PosedPart| {
+            let depths = part.positions.par_iter().with_min_len(4096).map(|&point| camera.project(point).depth);
+            depths.filter(|depth| depth.is_finite()).reduce(|| near + 1e-3, f64::max)
+        };
+        let far = camera.is_parallel().then(|| pose.parts.iter().map(farthest).fold(near + 1e-3, f64::max));
         Self { near, far }
     }
 
