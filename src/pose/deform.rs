@@ -3,8 +3,8 @@
 //! In: primitives, morph weights, placed nodes. Out: [`PosedPart`]s. Each vertex depends only on its own data (flat
 //! normals: on its triangle's), so the result does not depend on the number of threads.
 
-use super::PosedPart;
 use super::sample::Moved;
+use super::{Detail, PosedPart};
 use crate::scene::{Influence, MorphTarget, Primitive, Scene, Skin};
 use crate::space::{ScenePoint, SceneVector};
 use glam::{DMat4, Mat3, Mat4, Vec3, Vec4};
@@ -14,15 +14,6 @@ use rayon::prelude::*;
 const PARALLEL_VERTICES: usize = 50_000;
 /// Minimum number of vertices per thread task.
 const CHUNK: usize = 8_192;
-
-/// What is computed of every vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Detail {
-    /// Positions alone.
-    Positions,
-    /// Positions, normals, and tangents if there are some.
-    Surface,
-}
 
 /// Poses all parts, in node order, then primitive order.
 pub(super) fn parts(scene: &Scene, (moved, scene_from_node): (&Moved, &[DMat4]), detail: Detail) -> Vec<PosedPart> {

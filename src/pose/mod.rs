@@ -8,7 +8,6 @@ mod sample;
 
 use crate::scene::{Clip, LightKind, Scene};
 use crate::space::{ScenePoint, SceneVector};
-use deform::Detail;
 use glam::{DMat4, Mat4, Vec3, Vec4};
 use sample::Moved;
 
@@ -83,6 +82,15 @@ pub fn pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
 #[must_use]
 pub(crate) fn pose_positions(scene: &Scene, choice: ClipChoice, seconds: f64) -> Pose {
     posed(scene, choice, seconds, Detail::Positions)
+}
+
+/// What is computed of every vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Detail {
+    /// Positions alone.
+    Positions,
+    /// Positions, normals, and tangents if there are some.
+    Surface,
 }
 
 fn posed(scene: &Scene, choice: ClipChoice, seconds: f64, detail: Detail) -> Pose {

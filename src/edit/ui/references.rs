@@ -14,7 +14,8 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
     }
     ui.separator();
     ui.menu_button("Reference pictures", |ui| {
-        ScrollArea::vertical().max_height(420.0).show(ui, |ui| settings(ui, session));
+        let area = ScrollArea::vertical().min_scrolled_height(420.0).max_height(420.0);
+        area.show(ui, |ui| settings(ui, session));
     });
 }
 
