@@ -169,9 +169,18 @@ fn layer(facts: &TemplateFacts) -> String {
     // A shot of a single frame has room for one key only.
     let is_moving = middle > f64::from(first);
     let later = if is_moving { pin_key(middle) } else { String::new() };
-    let (lattice, region) = match facts.subject {
-        Subject::Scene => (SCENE_LATTICE, REGION),
-        Subject::Image => (IMAGE_LATTICE, IMAGE_REGION),
+    let handle_later = if is_moving { format!(", {{ frame = {middle}, offset = [0.0, 0.1] }}") } else { String::new() };
+    let handle = format!(
+        "  ## A handle of the lattice moved by hand, in sizes of its box:
+  # [[layer.handle]]
+  # index = [9, 4]
+  # keys  = [ {{ frame = {first}, offset = [0.0, 0.0] }}{handle_later} ]
+"
+    );
+    let (lattice, region, handle) = match facts.subject {
+        Subject::Scene => (SCENE_LATTICE, REGION, handle.as_str()),
+        // Handle indices have as many numbers as dims, which an automatic lattice does not have.
+        Subject::Image => (IMAGE_LATTICE, IMAGE_REGION, ""),
     };
     format!(
         "## One lattice bends everything in a layer. Nodes with meshes: {nodes}
@@ -197,7 +206,7 @@ name    = \"all\"
   # nodes = [{node}]
   # value = 4.0
 
-",
+{handle}",
     )
 }
 
@@ -211,12 +220,11 @@ fn pin_key(frame: f64) -> String {
 }
 
 /// The lattice options of a scene.
-const SCENE_LATTICE: &str = "## Parts that are apart on the model move apart, also where they cross on the screen; dims fit the thinnest of them.
-## Faster, where what is close together may move together:
-## lattice = { dims = [10, 10], topology = \"plain\" }
+const SCENE_LATTICE: &str = "## Limbs that cross on the screen, or hang close to something else, move apart with this one, which takes longer:
+## lattice = { dims = \"auto\", topology = \"branching\" }
 ## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
 ## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
-lattice = { dims = \"auto\", topology = \"branching\", box = \"follow\" }
+lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 
 ";
 

@@ -3,7 +3,6 @@
 use super::parse;
 use pinwarp::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use pinwarp::shot::{CameraRule, OffsetUnit, Rotation, Shot, schema};
-use pinwarp::solve::Topology;
 use pinwarp::space::FrameSize;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -91,8 +90,7 @@ fn the_examples_of_the_template_work_when_uncommented() {
     let text = uncommented(&template::write("a.glb", &facts()));
     let shot = parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
     let layer = &shot.layers[0];
-    assert_eq!((layer.pins.len(), layer.nodes.len()), (1, 1));
-    assert!(layer.has_auto_dims && layer.settings.topology == Topology::Branching, "parts that are apart stay apart");
+    assert_eq!((layer.pins.len(), layer.handles.len(), layer.nodes.len()), (1, 1, 1));
     assert_eq!((layer.pins[0].unit, layer.pins[0].keys.len()), (OffsetUnit::Frame, 2));
     assert_eq!(
         (layer.pins[0].keys[1].rotate_degrees, layer.pins[0].keys[1].scale),
