@@ -216,6 +216,8 @@ pub enum Unmatted {
     /// Its own nodes, if the shot has a scene and the layer does not move all of it; else the whole picture.
     #[default]
     OwnNodes,
+    /// Its own nodes, even where it moves all of the scene: `matte = "nodes"`.
+    Nodes,
     /// The whole picture, background included: `matte = "none"`.
     Picture,
 }

@@ -1,6 +1,6 @@
 //! `pinwarp warp`: plates in, plates out, and everything that can be wrong with what it is given.
 
-use crate::support::{Bench, OUTPUT, square};
+use crate::support::{Bench, HEAD, OUTPUT, PIN, square};
 use pinwarp::image::{Channel, Frame, Plate, Storage, read_plate, write_picture, write_plate};
 use pinwarp::space::{FrameSize, PixelRect};
 use std::path::Path;
@@ -289,6 +289,33 @@ fn mattes_that_are_not_there_are_named() {
         bench.run("warp --shot shot.toml").says(2, says);
         assert!(!bench.path("out").exists(), "nothing was begun");
     }
+}
+
+#[test]
+fn a_layer_of_all_nodes_leaves_the_background_on_request() {
+    let shot = |matte: &str| {
+        format!("{}{matte}{PIN}{OUTPUT}", HEAD.replace("[[layer]]", "plate = \"in/b.####.exr\"\n[[layer]]"))
+    };
+    let warped = |matte: &str| {
+        let bench = bench(&shot(matte));
+        let ended = bench.run("warp --shot shot.toml --frames 2").says(0, &[]);
+        let plate = read_plate(&bench.path("out/f.0002.exr")).expect("a plate");
+        let alpha = plate.parts[0].channel("A").expect("an alpha").samples.clone();
+        let is_border = |index: usize| index < 64 || index >= 35 * 64 || index % 64 == 0 || index % 64 == 63;
+        let lost = (0..alpha.len()).filter(|&index| is_border(index) && alpha[index] < 0.5).count();
+        (ended.stderr, lost)
+    };
+    let (told, lost) = warped("");
+    assert!(lost > 30, "the whole picture moves: {lost}");
+    let says = ["warning", "layer 'all' moves all of the scene", "matte = \"nodes\"", "matte = \"none\""];
+    assert!(says.iter().all(|words| told.contains(words)), "{told}");
+    let (told, _) = warped("matte = \"none\"\n");
+    assert!(!told.contains("moves all"), "{told}");
+    let (told, lost) = warped("matte = \"nodes\"\n");
+    assert_eq!(lost, 0, "the background rests");
+    assert!(!told.contains("moves all"), "{told}");
+    let pictures = bench(&SHOT.replace("name    = \"all\"", "matte = \"nodes\""));
+    pictures.run("warp --shot shot.toml").says(2, &["matte", "those of a scene"]);
 }
 
 #[test]

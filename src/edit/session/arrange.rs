@@ -16,6 +16,8 @@ use crate::shot::{Layer, LayerSpace, Unmatted};
 pub enum MatteChoice {
     /// The layer's own nodes; without a scene, the whole picture.
     Usual,
+    /// The layer's own nodes, even where it moves all of the scene.
+    Nodes,
     /// The whole picture, background included.
     Picture,
     /// Everything with alpha.
@@ -32,6 +34,7 @@ impl MatteChoice {
     pub fn of(layer: &Layer) -> Option<Self> {
         match (&layer.matte, layer.unmatted) {
             (None, Unmatted::OwnNodes) => Some(Self::Usual),
+            (None, Unmatted::Nodes) => Some(Self::Nodes),
             (None, Unmatted::Picture) => Some(Self::Picture),
             (Some(Matte::Alpha), _) => Some(Self::Alpha),
             (Some(Matte::Channel(name)), _) => Some(Self::Channel(name.clone())),
@@ -142,6 +145,7 @@ impl Session {
         let mut text = put(self.document.text(), &["matte"], &Setting::Default);
         text = match matte {
             MatteChoice::Usual => text,
+            MatteChoice::Nodes => text.and_then(|text| put(&text, &["matte"], &Setting::Text("nodes".into()))),
             MatteChoice::Picture => text.and_then(|text| put(&text, &["matte"], &Setting::Text("none".into()))),
             MatteChoice::Alpha => text.and_then(|text| put(&text, &["matte"], &Setting::Text("alpha".into()))),
             MatteChoice::Channel(name) => {

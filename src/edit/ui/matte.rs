@@ -14,6 +14,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
     let list = ComboBox::from_id_salt("matte").selected_text(name(&now)).width(120.0).show_ui(ui, |ui| {
         let kinds = [
             MatteChoice::Usual,
+            MatteChoice::Nodes,
             MatteChoice::Picture,
             MatteChoice::Alpha,
             MatteChoice::Cryptomatte(vec!["*".into()]),
@@ -42,6 +43,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
 const fn name(matte: &MatteChoice) -> &'static str {
     match matte {
         MatteChoice::Usual => "usual",
+        MatteChoice::Nodes => "own nodes",
         MatteChoice::Picture => "whole picture",
         MatteChoice::Alpha => "alpha",
         MatteChoice::Channel(_) => "channel",
@@ -52,7 +54,7 @@ const fn name(matte: &MatteChoice) -> &'static str {
 /// Returns the names of a kind that requires them, with a hint.
 fn words(matte: &MatteChoice) -> Option<(String, &'static str)> {
     match matte {
-        MatteChoice::Usual | MatteChoice::Picture | MatteChoice::Alpha => None,
+        MatteChoice::Usual | MatteChoice::Nodes | MatteChoice::Picture | MatteChoice::Alpha => None,
         MatteChoice::Channel(name) => Some((name.clone(), "Full name of a channel: mask.R")),
         MatteChoice::Cryptomatte(names) => Some((names.join(", "), "Names with * and ?, with commas between them")),
     }

@@ -36,16 +36,17 @@ pub(super) struct FoundMattes {
 
 impl PreparedShot {
     /// Whether a layer without a matte of its own takes its nodes out of a plate: the layer is moved, and the shot has
-    /// a scene with parts that the layer does not move. A branching layer always does, because it would tear its
-    /// surroundings.
+    /// a scene with parts that the layer does not move, or asks for it. A branching layer always does, because it would tear
+    /// its surroundings.
     pub(crate) fn moves_own_nodes(&self, layer: usize) -> bool {
         let settings = &self.shot.layers[layer];
         settings.is_moved()
             && matches!(self.shot.source, Source::Scene(_))
             && matches!(settings.space, LayerSpace::Screen { .. })
             && settings.matte.is_none()
-            && settings.unmatted == Unmatted::OwnNodes
-            && (settings.settings.topology == Topology::Branching
+            && settings.unmatted != Unmatted::Picture
+            && (settings.unmatted == Unmatted::Nodes
+                || settings.settings.topology == Topology::Branching
                 || self.assignment.is_sharing[layer]
                 || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
     }

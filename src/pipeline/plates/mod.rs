@@ -20,6 +20,7 @@ mod shared_meshes;
 mod silhouette;
 mod stage;
 mod surface_maps;
+mod whole_scene;
 mod write;
 
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};

@@ -10,7 +10,7 @@ use super::plan::Plan;
 use super::read::{Loaded, Pictures};
 use super::shared_meshes::SharedMeshes;
 use super::write::Warped;
-use super::{PlateWarp, WarpDirection, WarpJob, WarpReport};
+use super::{PlateWarp, WarpDirection, WarpJob, WarpReport, whole_scene};
 use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
@@ -182,7 +182,10 @@ impl<'a> Stage<'a> {
         }
         let drawn = self.filler.as_mut().map(|filler| filler.draw(frame, (plate, &settings))).transpose()?;
         let job = PlateJob { layers, settings: &settings, fill: clean.as_ref().or(drawn.as_ref()) };
-        let (warped, report) = self.warper.warp(plate, &job)?;
+        let (warped, mut report) = self.warper.warp(plate, &job)?;
+        if let PlateWarp::Shot(prepared) = &self.job.warp {
+            report.warnings.extend(whole_scene::warning(prepared, &layer_of_job, (frame, plate))?);
+        }
         Ok((warped, report, found.source))
     }
 

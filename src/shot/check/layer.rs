@@ -57,6 +57,7 @@ impl Check<'_> {
             transfer,
             unmatted: match raw.matte {
                 Some(RawMatte::Named(RawNamedMatte::None)) => Unmatted::Picture,
+                Some(RawMatte::Named(RawNamedMatte::Nodes)) => Unmatted::Nodes,
                 _ => Unmatted::OwnNodes,
             },
             matte: raw.matte.as_ref().and_then(|matte| self.matte(matte, &format!("{key}.matte"), shot)),

@@ -76,9 +76,12 @@ impl Check<'_> {
             let what = "a plate is warped on the screen, this layer's lattice lies in the scene";
             self.fault(key, what, "remove it, or `space = \"world\"`");
         }
+        if matches!(raw, RawMatte::Named(RawNamedMatte::Nodes)) && shot.source != Kind::Scene {
+            self.fault(key, "\"nodes\" are those of a scene, and the shot has none", "use \"alpha\", a channel or ids");
+        }
         match raw {
             RawMatte::Named(RawNamedMatte::Alpha) => Some(Matte::Alpha),
-            RawMatte::Named(RawNamedMatte::None) => None,
+            RawMatte::Named(RawNamedMatte::Nodes | RawNamedMatte::None) => None,
             RawMatte::Part(part) => self.part(part, key),
         }
     }

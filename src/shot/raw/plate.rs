@@ -131,7 +131,8 @@ pub(in crate::shot) struct RawSemantic {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(in crate::shot) enum RawMatte {
-    /// `alpha`: everything in the plate, for pictures of one thing over nothing; `none`: the whole picture.
+    /// `alpha`: everything in the plate, for pictures of one thing over nothing; `nodes`: the layer's nodes, even where it moves all of
+    /// the scene; `none`: the whole picture.
     Named(RawNamedMatte),
     /// The part that a channel, ids or a Cryptomatte select.
     Part(RawMatteSource),
@@ -143,6 +144,8 @@ pub(in crate::shot) enum RawMatte {
 pub(in crate::shot) enum RawNamedMatte {
     /// Everything in the plate, by its alpha.
     Alpha,
+    /// The layer's own nodes, even where it moves all of the scene.
+    Nodes,
     /// No matte: the layer moves the whole picture.
     None,
 }
@@ -154,7 +157,7 @@ impl JsonSchema for RawNamedMatte {
     }
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({ "type": "string", "enum": ["alpha", "none"] })
+        schemars::json_schema!({ "type": "string", "enum": ["alpha", "nodes", "none"] })
     }
 }
 
