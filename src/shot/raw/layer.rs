@@ -26,7 +26,7 @@ pub(in crate::shot) struct RawLayer {
     #[serde(default)]
     pub(in crate::shot) select: super::RawSelect,
     /// Part of a plate that the layer moves: "alpha", a channel, ids, names of a Cryptomatte, or "none" for the whole picture;
-    /// default: the layer's nodes if the shot has a scene, else the whole picture.
+    /// default: the layer's nodes if it moves a part of a scene, else the whole picture.
     #[schemars(example = &"alpha")]
     pub(in crate::shot) matte: Option<super::RawMatte>,
     /// The lattice: the grid of handles.
