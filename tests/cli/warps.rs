@@ -301,7 +301,7 @@ fn a_layer_of_all_nodes_leaves_the_background_on_request() {
         let ended = bench.run("warp --shot shot.toml --frames 2 -o w.####.exr").says(0, &[]);
         let plate = read_plate(&bench.path("w.0002.exr")).expect("a plate");
         let alpha = plate.parts[0].channel("A").expect("an alpha").samples.clone();
-        let is_border = |index: usize| index < 64 || index >= 35 * 64 || index % 64 == 0 || index % 64 == 63;
+        let is_border = |index: usize| !(64..35 * 64).contains(&index) || [0, 63].contains(&(index % 64));
         let lost = (0..alpha.len()).filter(|&index| is_border(index) && alpha[index] < 0.5).count();
         (ended.stderr, lost)
     };
