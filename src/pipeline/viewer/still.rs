@@ -68,6 +68,7 @@ impl PreparedShot {
 
     /// Whether a provisional sample solves a layer from its keys for one frame alone.
     #[must_use]
+    #[cfg(feature = "editor")]
     pub(crate) fn is_solved_alone(&self, index: usize) -> bool {
         self.layer_inputs.loaded[index].is_none() && !self.is_solved_over_time(index)
     }
