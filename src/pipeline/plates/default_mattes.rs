@@ -51,6 +51,12 @@ impl PreparedShot {
                 || self.assignment.layer_of_part.iter().any(|owner| *owner != Some(layer)))
     }
 
+    /// Whether a layer bends the whole of a plate although its shot does not ask for that.
+    pub(super) fn bends_picture_unasked(&self, layer: usize) -> bool {
+        let settings = &self.shot.layers[layer];
+        settings.matte.is_none() && settings.unmatted == Unmatted::OwnNodes && !self.moves_own_nodes(layer)
+    }
+
     /// Returns a note on layers that share a mesh: a plate, or the map of one layer, is cut along their border.
     pub(crate) fn note_on_shared(&self, layers: &[usize]) -> Option<String> {
         let shared: Vec<String> = layers

@@ -15,7 +15,7 @@ use crate::pipeline::run::output::input_files;
 use crate::pipeline::run::resume::{Todo, refuse_existing};
 use crate::pipeline::{Existing, PipelineError, PreparedShot};
 use crate::plate::Holes;
-use crate::shot::{LayerSpace, Unmatted, digest};
+use crate::shot::{LayerSpace, digest};
 use crate::spelling;
 use std::path::{Path, PathBuf};
 
@@ -188,10 +188,7 @@ fn check_matte(job: &WarpJob, layers: &[usize]) -> Result<(), PipelineError> {
 /// layers' parts, unless the shot declares that as intended.
 fn note_unmatted(job: &WarpJob, layers: &[usize]) -> Option<String> {
     let is_whole = |&&layer: &&usize| match &job.warp {
-        PlateWarp::Shot(prepared) => {
-            let settings = &prepared.shot.layers[layer];
-            settings.matte.is_none() && settings.unmatted == Unmatted::OwnNodes && !prepared.moves_own_nodes(layer)
-        }
+        PlateWarp::Shot(prepared) => prepared.bends_picture_unasked(layer),
         PlateWarp::Lattices { matte, .. } => matte.is_none(),
         PlateWarp::Maps(_) => false,
     };

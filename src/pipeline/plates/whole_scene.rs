@@ -5,7 +5,7 @@
 
 use crate::image::{Channel, Plate};
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::shot::{LayerSpace, Source, Unmatted};
+use crate::shot::Source;
 
 /// Smallest alpha that counts as opaque.
 const OPAQUE: f32 = 0.99;
@@ -16,16 +16,8 @@ pub(super) fn warning(
     layers: &[usize],
     (frame, plate): (i32, &Plate),
 ) -> Result<Option<String>, PipelineError> {
-    let is_whole = |&&layer: &&usize| {
-        let settings = &prepared.shot.layers[layer];
-        settings.matte.is_none()
-            && settings.unmatted == Unmatted::OwnNodes
-            && matches!(prepared.shot.source, Source::Scene(_))
-            && matches!(settings.space, LayerSpace::Screen { .. })
-            && !prepared.moves_own_nodes(layer)
-    };
-    let whole: Vec<usize> = layers.iter().filter(is_whole).copied().collect();
-    if whole.is_empty() || !is_opaque(plate) {
+    let whole: Vec<usize> = layers.iter().copied().filter(|&layer| prepared.bends_picture_unasked(layer)).collect();
+    if !matches!(prepared.shot.source, Source::Scene(_)) || whole.is_empty() || !is_opaque(plate) {
         return Ok(None);
     }
     let sample = prepared.mid_exposure(frame)?;
@@ -49,6 +41,6 @@ pub(super) fn warning(
 /// Whether a plate shows something everywhere.
 fn is_opaque(plate: &Plate) -> bool {
     let is_alpha = |channel: &&Channel| channel.name == "A" || channel.name.ends_with(".A");
-    let alphas = plate.parts.iter().flat_map(|part| &part.channels).filter(is_alpha);
-    alphas.take(1).all(|alpha| alpha.samples.iter().all(|&alpha| alpha >= OPAQUE))
+    let alpha = plate.parts.iter().flat_map(|part| &part.channels).find(is_alpha);
+    alpha.is_none_or(|alpha| alpha.samples.iter().all(|&alpha| alpha >= OPAQUE))
 }
