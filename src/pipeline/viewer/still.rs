@@ -14,15 +14,13 @@ use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
 use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::plate::{LayerJob, PlateJob, warp_plate};
+pub use crate::raster::geometry::IsCancelled;
 use crate::raster::geometry::KeptParts;
 use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
 use crate::shot::{LayerSpace, Source};
 use crate::solve::SolveError;
 use crate::space::FrameSize;
 use glam::Vec2;
-
-/// Polled for cancellation; returns true once the result is no longer wanted.
-pub type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// A device that draws frames and can be sent between threads.
 pub type Device = dyn Raster + Send + 'static;

@@ -29,8 +29,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) use vertex::vertex_triangles;
 use vertex::{ClipVertex, DepthRange, VertexList};
 
-/// Polled for cancellation; returns true once the geometry is no longer wanted.
-pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
+/// Polled for cancellation; returns true once the result is no longer wanted.
+pub type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// Number of vertices between two polls.
 const POLLED: u32 = 65_536;
