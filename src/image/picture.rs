@@ -78,19 +78,21 @@ fn plate_from_picture(picture: DynamicImage, meaning: Codes) -> Plate {
     let window = PixelRect { x: 0, y: 0, width: picture.width(), height: picture.height() };
     // Eight bits are scaled by 257, so v / 255 stays v / 255.
     let codes = picture.into_rgba16().into_raw();
-    let light: Vec<f32> =
-        (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32).collect();
+    let value = |code: u16| match meaning {
+        Codes::Color => linear_from_srgb(f64::from(code) / f64::from(u16::MAX)) as f32,
+        Codes::Numbers => unit(code),
+    };
+    let values: Vec<f32> = (0..=u16::MAX).map(value).collect();
+    let shown = |alpha: u16| match meaning {
+        Codes::Color => unit(alpha).max(HIDDEN),
+        Codes::Numbers => 1.0,
+    };
     let mut channels: Vec<_> = ["R", "G", "B"]
         .into_par_iter()
         .enumerate()
         .map(|(at, name)| {
             let pixels = codes.chunks_exact(4);
-            let samples = match meaning {
-                Codes::Color => {
-                    pixels.map(|pixel| light[usize::from(pixel[at])] * unit(pixel[3]).max(HIDDEN)).collect()
-                }
-                Codes::Numbers => pixels.map(|pixel| unit(pixel[at])).collect(),
-            };
+            let samples = pixels.map(|pixel| values[usize::from(pixel[at])] * shown(pixel[3])).collect();
             Channel { name: name.to_owned(), storage, samples }
         })
         .collect();
