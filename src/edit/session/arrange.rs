@@ -142,12 +142,13 @@ impl Session {
     pub fn set_matte(&mut self, matte: &MatteChoice) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let put = |text: &str, key: &[&str], setting: &Setting| put_layer_setting(text, &layer.name, key, setting);
+        let named = |text: &str, name: &str| put(text, &["matte"], &Setting::Text(name.to_owned()));
         let mut text = put(self.document.text(), &["matte"], &Setting::Default);
         text = match matte {
             MatteChoice::Usual => text,
-            MatteChoice::Nodes => text.and_then(|text| put(&text, &["matte"], &Setting::Text("nodes".into()))),
-            MatteChoice::Picture => text.and_then(|text| put(&text, &["matte"], &Setting::Text("none".into()))),
-            MatteChoice::Alpha => text.and_then(|text| put(&text, &["matte"], &Setting::Text("alpha".into()))),
+            MatteChoice::Nodes => text.and_then(|text| named(&text, "nodes")),
+            MatteChoice::Picture => text.and_then(|text| named(&text, "none")),
+            MatteChoice::Alpha => text.and_then(|text| named(&text, "alpha")),
             MatteChoice::Channel(name) => {
                 text.and_then(|text| put(&text, &["matte", "channel"], &Setting::Text(name.clone())))
             }

@@ -35,12 +35,8 @@ impl RestLinks {
     /// Returns the links for a lattice with this number of spans along its longer side.
     pub(in crate::pipeline) fn for_spans(&self, spans: usize) -> &Arc<Vec<Link>> {
         let is_dense_enough = |(pitch, _): &&(f64, Arc<Vec<Link>>)| pitch * spans as f64 <= SPANS_APART;
-        let (_, links) = self.by_pitch.iter().find(is_dense_enough).unwrap_or_else(|| self.finest());
-        links
-    }
-
-    fn finest(&self) -> &(f64, Arc<Vec<Link>>) {
-        self.by_pitch.last().expect("a layer has links of at least one distance")
+        let found = self.by_pitch.iter().find(is_dense_enough).or(self.by_pitch.last());
+        &found.expect("a layer has links of at least one distance").1
     }
 }
 
