@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub(super) struct PlacedLink<const D: usize> {
     /// The indices of the two triangles, the smaller one first.
     pub(super) triangles: [usize; 2],
-    /// Positions of the ends of the link.
+    /// Positions of the ends of the link, in the order of the triangles.
     pub(super) ends: [[f64; D]; 2],
     pub(super) kind: LinkKind,
 }
@@ -33,9 +33,10 @@ impl<const D: usize> Adjacency<D> {
             None => Cow::Owned(surface_links(&shape.points, &shape.triangles, f64::INFINITY)),
         };
         let placed = |link: &super::Link| {
-            let [a, b] = link.ends.map(|end| end.triangle as usize);
-            let ends = link.ends.map(|end| end.point(&shape.points, &shape.triangles));
-            PlacedLink { triangles: [a.min(b), a.max(b)], ends, kind: link.kind }
+            let mut ends = link.ends;
+            ends.sort_by_key(|end| end.triangle);
+            let places = ends.map(|end| end.point(&shape.points, &shape.triangles));
+            PlacedLink { triangles: ends.map(|end| end.triangle as usize), ends: places, kind: link.kind }
         };
         let mut links: Vec<PlacedLink<D>> = links.iter().map(placed).collect();
         links.sort_by_key(|link| link.triangles);

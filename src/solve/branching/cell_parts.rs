@@ -14,6 +14,9 @@ use std::ops::Range;
 /// Stands for a part or triangle that is not in a box.
 const NONE: u32 = u32::MAX;
 
+/// Largest number of cells in which a triangle's parts are connected pair by pair.
+const PAIRED_CELLS: usize = 8;
+
 /// The connected parts of a shape in each cell, sorted by cell.
 #[derive(Clone, Debug)]
 pub(super) struct CellParts<const D: usize> {
@@ -28,10 +31,12 @@ pub(super) struct CellParts<const D: usize> {
     terminals: Vec<Vec<[u32; 2]>>,
     /// Links inside each cell, #cells.
     inside: Vec<Vec<PlacedLink<D>>>,
-    /// All other links, at the cells of their first triangle, #cells.
+    /// All other links, at the cells that they lead from or through, #cells.
     between: Vec<Vec<PlacedLink<D>>>,
     /// Pairs of parts of two cells that are connected in every box that contains both cells, at the cell of the first part, #cells.
     across: Vec<Vec<[u32; 2]>>,
+    /// Triangles in more than [`PAIRED_CELLS`] cells, each with its part, #cells.
+    wide: Vec<Vec<[u32; 2]>>,
     /// Links that are inside of no cell, as along a border between two, at the cells of their first triangle, #cells.
     on_borders: Vec<Vec<PlacedLink<D>>>,
     /// First cut of each triangle, #triangles + 1.
@@ -85,11 +90,15 @@ impl<const D: usize> CellParts<D> {
                 }
                 (LinkKind::Across, _) => false,
             };
-            for cut in cuts_of(link.triangles[0]).into_iter().flatten() {
-                between[cuts[cut].cell].push(*link);
-                if !is_placed {
-                    on_borders[cuts[cut].cell].push(*link);
-                }
+            // A box that has grown to a link contains the start of one across a gap, and a part of an edge.
+            let way = match link.kind {
+                LinkKind::Edge => link.ends,
+                LinkKind::Across => [link.ends[0]; 2],
+            };
+            SupportBox::cells_around(grid, &way).into_iter().for_each(|cell| between[cell].push(*link));
+            if !is_placed {
+                let own = cuts_of(link.triangles[0]).into_iter().flatten();
+                own.for_each(|cut| on_borders[cuts[cut].cell].push(*link));
             }
             for end in link.triangles.into_iter().filter(|&end| end < triangle_count) {
                 is_terminal[end] = true;
@@ -99,6 +108,12 @@ impl<const D: usize> CellParts<D> {
         (parts.inside, parts.between, parts.on_borders) = (inside, between, on_borders);
         parts.add_terminals(cuts, &is_terminal);
         let mut pairs: Vec<[u32; 2]> = across.into_iter().map(|pair| pair.map(|cut| parts.of_cuts[cut])).collect();
+        for own in (0..triangle_count).filter_map(|triangle| parts.parts_of(triangle)) {
+            if own.len() <= PAIRED_CELLS {
+                let of = |(k, &from): (usize, &u32)| own[k + 1..].iter().map(move |&to| [from, to]);
+                pairs.extend(own.iter().enumerate().flat_map(of));
+            }
+        }
         pairs.sort_unstable();
         pairs.dedup();
         for pair in pairs {
@@ -133,6 +148,7 @@ impl<const D: usize> CellParts<D> {
             inside: Vec::new(),
             between: Vec::new(),
             across: vec![Vec::new(); cell_count],
+            wide: vec![Vec::new(); cell_count],
             on_borders: Vec::new(),
             first_cuts,
         }
@@ -141,9 +157,12 @@ impl<const D: usize> CellParts<D> {
     /// Notes the triangles that are connected beyond their cell.
     fn add_terminals(&mut self, cuts: &[Cut<D>], is_terminal: &[bool]) {
         for (cut, &part) in cuts.iter().zip(&self.of_cuts) {
-            let count = self.first_cuts[cut.triangle + 1] - self.first_cuts[cut.triangle];
+            let count = (self.first_cuts[cut.triangle + 1] - self.first_cuts[cut.triangle]) as usize;
             if count > 1 || is_terminal[cut.triangle] {
                 self.terminals[cut.cell].push([cut.triangle as u32, part]);
+            }
+            if count > PAIRED_CELLS {
+                self.wide[cut.cell].push([cut.triangle as u32, part]);
             }
         }
     }
@@ -158,7 +177,7 @@ impl<const D: usize> CellParts<D> {
         &self.inside[cell]
     }
 
-    /// Links that are inside of no cell or of several, at the cells of their first triangle.
+    /// Links that are inside of no cell or of several, at the cells that they lead from or through.
     pub(super) fn between(&self, cell: usize) -> &[PlacedLink<D>] {
         &self.between[cell]
     }
@@ -189,7 +208,7 @@ impl<const D: usize> CellParts<D> {
     }
 
     /// The parts of a triangle; `None` for triangles after the last one with a part.
-    fn parts_of(&self, triangle: usize) -> Option<&[u32]> {
+    pub(super) fn parts_of(&self, triangle: usize) -> Option<&[u32]> {
         let [first, end] = [*self.first_cuts.get(triangle)?, *self.first_cuts.get(triangle + 1)?];
         Some(&self.of_cuts[first as usize..end as usize])
     }
@@ -205,7 +224,7 @@ pub(super) struct ComponentFinder<'a, const D: usize> {
     parts: &'a CellParts<D>,
     /// Position of each part among those of the box, #parts.
     place_of_part: Vec<u32>,
-    /// A part of each terminal in the box, #triangles.
+    /// A part of each wide triangle in the box, #triangles.
     part_of_triangle: Vec<u32>,
 }
 
@@ -236,7 +255,7 @@ impl<'a, const D: usize> ComponentFinder<'a, D> {
         parts.iter().zip(0..).for_each(|(&part, place)| self.place_of_part[part as usize] = place);
         let mut sets = DisjointSets::of(parts.len());
         let place = |places: &[u32], part: u32| places[part as usize] as usize;
-        for &[triangle, part] in cells.iter().flat_map(|&cell| &self.parts.terminals[cell]) {
+        for &[triangle, part] in cells.iter().flat_map(|&cell| &self.parts.wide[cell]) {
             match &mut self.part_of_triangle[triangle as usize] {
                 known if *known == NONE => *known = part,
                 known => sets.join([*known, part].map(|part| place(&self.place_of_part, part))),
@@ -256,7 +275,7 @@ impl<'a, const D: usize> ComponentFinder<'a, D> {
                 sets.join([from as usize, to as usize]);
             }
         }
-        for &[triangle, _] in cells.iter().flat_map(|&cell| &self.parts.terminals[cell]) {
+        for &[triangle, _] in cells.iter().flat_map(|&cell| &self.parts.wide[cell]) {
             self.part_of_triangle[triangle as usize] = NONE;
         }
         parts.iter().for_each(|&part| self.place_of_part[part as usize] = NONE);

@@ -3,17 +3,14 @@
 //! In: the cuts and links of a shape. Out: for every part of a cell the copies that act on it, and ties, which tell how close copies of one
 //! handle are to each other.
 
-use super::adjacency::PlacedLink;
-use super::cell_connections::{CellConnections, Connection, connection};
+use super::cell_connections::{CellConnections, connection};
 use super::cell_parts::{CellParts, ComponentFinder};
 use super::cuts::Cut;
 use super::disjoint_sets::DisjointSets;
 use super::support_box::{SupportBox, cells_between};
+use super::tie_nodes::{Role, TieNodes};
 use crate::lattice::Grid;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Stands for the node of a triangle that has none.
-const NONE: u32 = u32::MAX;
 
 /// Two copies of one handle whose pieces become connected when the support of the handle grows.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +61,7 @@ pub(super) fn copies<const D: usize>(grid: &Grid<D>, width: usize, cuts: &[Cut<D
         parts,
         components: ComponentFinder::new(parts),
         connections: CellConnections::new(grid, parts, cuts),
-        node_of: vec![NONE; parts.triangle_count()],
-        is_tied_part: vec![false; parts.len()],
+        nodes: TieNodes::new(parts),
     };
     let mut copies = Copies {
         handles: Vec::new(),
@@ -88,10 +84,7 @@ struct Finder<'a, const D: usize> {
     parts: &'a CellParts<D>,
     components: ComponentFinder<'a, D>,
     connections: CellConnections<'a, D>,
-    /// The node of each terminal, #triangles.
-    node_of: Vec<u32>,
-    /// Whether a part is connected with several copies when the support grows by one, #parts.
-    is_tied_part: Vec<bool>,
+    nodes: TieNodes<'a, D>,
 }
 
 impl<const D: usize> Finder<'_, D> {
@@ -147,33 +140,38 @@ impl<const D: usize> Finder<'_, D> {
         }
         let is_tied = |root: &usize| copies_of_root.get(root).is_some_and(|copies| copies.len() > 1);
         let tied = around.parts.iter().zip(&around.roots).filter(|(_, root)| is_tied(root));
-        tied.for_each(|(&part, _)| self.is_tied_part[part as usize] = true);
-        let nodes = self.place(&cells, inside, copy_of_part);
+        tied.for_each(|(&part, _)| self.nodes.set_role(part, Role::Beside));
+        let mut copies: Vec<usize> = copy_of_part.iter().map(|(_, copy)| *copy).collect();
+        copies.sort_unstable();
+        copies.dedup();
+        let number = |copy: usize| Role::Copy((copy - copies[0]) as u32);
+        copy_of_part.iter().for_each(|&(part, copy)| self.nodes.set_role(part, number(copy)));
+        self.nodes.start_with(copies.len());
         let mut links = Vec::new();
-        for &cell in cells.iter().filter(|cell| inside.binary_search(cell).is_err()) {
-            for &(growth, pair) in self.connections.beside(support, cell) {
-                let pair = pair.map(|triangle| self.node_of[triangle as usize]);
-                if pair[0] != pair[1] && !pair.contains(&NONE) {
-                    links.push((growth, pair));
-                }
+        for &cell in &cells {
+            if !self.nodes.has_any(self.parts.in_cell(cell)) {
+                continue;
+            }
+            if inside.binary_search(&cell).is_err() {
+                let connections = self.connections.beside(support, cell).iter();
+                links.extend(connections.filter_map(|&(growth, pair)| Some((growth, self.nodes.pair(pair)?))));
+            }
+            for link in self.parts.between(cell) {
+                let pair = self.nodes.pair(link.triangles.map(|triangle| triangle as u32));
+                links.extend(pair.and_then(|pair| connection(support, link, pair)));
             }
         }
-        for link in cells.iter().flat_map(|&cell| self.parts.between(cell)) {
-            self.push_link(support, link, &mut links);
-        }
         links.sort_unstable_by_key(|(growth, _)| *growth);
-        let mut pieces = DisjointSets::of(nodes.count);
-        let mut copies_at = vec![Vec::new(); nodes.count];
-        for (node, copy) in nodes.copies.iter().enumerate() {
-            copies_at[node].push(*copy);
-        }
+        let mut pieces = DisjointSets::of(self.nodes.count());
+        let mut copies_of_piece: BTreeMap<usize, Vec<usize>> =
+            copies.iter().map(|&copy| vec![copy]).enumerate().collect();
         let mut ties = Vec::new();
         for (growth, pair) in links {
             let [a, b] = pair.map(|node| pieces.root(node as usize));
             if a == b {
                 continue;
             }
-            let [ours, theirs] = [a, b].map(|root| std::mem::take(&mut copies_at[root]));
+            let [ours, theirs] = [a, b].map(|root| copies_of_piece.remove(&root).unwrap_or_default());
             let pairs = ours.iter().flat_map(|&one| theirs.iter().map(move |&other| [one.min(other), one.max(other)]));
             ties.extend(pairs.map(|copies| Tie { copies, growth: f64::from_bits(growth) }));
             pieces.join([a, b]);
@@ -183,59 +181,14 @@ impl<const D: usize> Finder<'_, D> {
                     break;
                 }
             }
-            copies_at[pieces.root(a)] = [ours, theirs].concat();
+            let together = [ours, theirs].concat();
+            if !together.is_empty() {
+                copies_of_piece.insert(pieces.root(a), together);
+            }
         }
-        self.forget(&cells, &around.parts);
+        self.nodes.clear(&around.parts);
         ties
     }
-
-    /// Makes one node of each copy and of each terminal of the tied parts in the ring of cells around the support.
-    fn place(&mut self, cells: &[usize], inside: &[usize], copy_of_part: &[(u32, usize)]) -> Nodes {
-        let mut copies: Vec<usize> = copy_of_part.iter().map(|(_, copy)| *copy).collect();
-        copies.sort_unstable();
-        copies.dedup();
-        for &[triangle, part] in inside.iter().flat_map(|&cell| self.parts.terminals(cell)) {
-            if let Ok(found) = copy_of_part.binary_search_by_key(&part, |(part, _)| *part) {
-                self.node_of[triangle as usize] = (copy_of_part[found].1 - copies[0]) as u32;
-            }
-        }
-        let mut count = copies.len();
-        let ring = cells.iter().filter(|cell| inside.binary_search(cell).is_err());
-        for &[triangle, part] in ring.flat_map(|&cell| self.parts.terminals(cell)) {
-            let node = &mut self.node_of[triangle as usize];
-            if *node == NONE && self.is_tied_part[part as usize] {
-                *node = count as u32;
-                count += 1;
-            }
-        }
-        Nodes { copies, count }
-    }
-
-    /// Adds a link between different nodes, with the growth of the support at which it connects them if that is below one.
-    fn push_link(&self, support: &SupportBox<D>, link: &PlacedLink<D>, links: &mut Vec<Connection>) {
-        let node = |triangle: usize| self.node_of.get(triangle).copied().unwrap_or(NONE);
-        // Most links join triangles of one node; `map` on the array would not be inlined here.
-        let pair = [node(link.triangles[0]), node(link.triangles[1])];
-        if pair[0] != pair[1] && !pair.contains(&NONE) {
-            links.extend(connection(support, link, pair));
-        }
-    }
-
-    /// Clears what [`Self::place`] has noted.
-    fn forget(&mut self, cells: &[usize], parts: &[u32]) {
-        for &[triangle, _] in cells.iter().flat_map(|&cell| self.parts.terminals(cell)) {
-            self.node_of[triangle as usize] = NONE;
-        }
-        parts.iter().for_each(|&part| self.is_tied_part[part as usize] = false);
-    }
-}
-
-/// The nodes between which links are sought.
-struct Nodes {
-    /// The copies of the handle, which are the first nodes.
-    copies: Vec<usize>,
-    /// Number of nodes.
-    count: usize,
 }
 
 /// Position of a handle among those of a cell.

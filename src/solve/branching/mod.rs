@@ -28,6 +28,7 @@ mod row_shares;
 mod solid_links;
 mod support_box;
 mod terms;
+mod tie_nodes;
 
 pub use branched_lattice::BranchedLattice;
 pub(crate) use continuation::continued;
@@ -48,6 +49,7 @@ use cuts::{Cut, cuts};
 use nearest_point::nearest_of_triangle;
 use pieces::Pieces;
 use std::ops::Range;
+use support_box::cell_at;
 
 /// Name of a copy of a handle that stays valid at other times, when the shape is split into other pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -195,8 +197,12 @@ impl<const D: usize> Branching<D> {
     /// The piece to which a point on one of these triangles belongs.
     pub(crate) fn piece_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
         let first = self.first_cuts[triangles.start] as usize;
-        let cuts = self.cuts[first..self.first_cuts[triangles.end] as usize].iter().enumerate();
+        let cuts = &self.cuts[first..self.first_cuts[triangles.end] as usize];
         let point = self.grid.upright_from_point(*point);
+        let own_cell = cell_at(&self.grid, &point);
+        if let Some(place) = cuts.iter().position(|cut| cut.cell == own_cell) {
+            return self.pieces.of_cuts[first + place];
+        }
         // What lies outside the box belongs to the nearest cell.
         let point: [f64; D] = std::array::from_fn(|axis| point[axis].clamp(self.grid.lo[axis], self.grid.hi[axis]));
         let gap = |cut: &Cut<D>| {
@@ -208,13 +214,10 @@ impl<const D: usize> Branching<D> {
             outside.fold(0.0, f64::max)
         };
         let mut nearest = (f64::INFINITY, 0);
-        for (place, cut) in cuts {
+        for (place, cut) in cuts.iter().enumerate() {
             let gap = gap(cut);
             if gap < nearest.0 {
                 nearest = (gap, place);
-            }
-            if gap == 0.0 {
-                break;
             }
         }
         self.pieces.of_cuts[first + nearest.1]

@@ -172,6 +172,12 @@ impl<const D: usize> SupportBox<D> {
     }
 }
 
+/// The cell that contains a point, or the nearest one.
+pub(super) fn cell_at<const D: usize>(grid: &Grid<D>, point: &[f64; D]) -> usize {
+    let spans = |axis: usize| grid.basis.spans(grid.dims[axis]);
+    (0..D).rev().fold(0, |cell, axis| cell * spans(axis) + span_of(grid, axis, point[axis], 0.0))
+}
+
 /// The coordinate at which a span begins.
 fn border<const D: usize>(grid: &Grid<D>, axis: usize, span: usize) -> f64 {
     grid.lo[axis] + span as f64 * grid.spacing(axis)
