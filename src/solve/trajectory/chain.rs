@@ -26,6 +26,9 @@ use std::ops::Range;
 /// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
 const MOTION_FACTOR: f64 = 2.0;
 
+/// Same as [`MOTION_FACTOR`] for branching lattices, which are watched at the tips of limbs: they move farther than the middle.
+const TIP_MOTION_FACTOR: f64 = 3.0;
+
 /// Largest number of sweeps between two changes of the weights.
 const SWEEPS: usize = 40;
 
@@ -142,7 +145,9 @@ impl<'a, const D: usize> Chain<'a, D> {
         for pair in self.knots.windows(2).skip(first) {
             let (weight, limit) = match pair {
                 [Some(knot), Some(next)] if knot.take == next.take => {
-                    (self.weight, MOTION_FACTOR * knot.motion(next) + self.coupling.least_speed / per_frame)
+                    let is_branching = [knot, next].iter().any(|knot| knot.system.has_branches());
+                    let factor = if is_branching { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
+                    (self.weight, factor * knot.motion(next) + self.coupling.least_speed / per_frame)
                 }
                 _ => (0.0, f64::INFINITY),
             };
@@ -349,9 +354,10 @@ impl<'a, const D: usize> Chain<'a, D> {
             let is_convex = is_convex_at[index]
                 && is_convex_at[index + 1]
                 && knot.is_convex_halfway(next, CONVEX_FACTOR * weights[index]);
+            let is_branching = [knot, next].iter().any(|knot| knot.system.has_branches());
             match (is_convex, is_steady(knots, index, least_speed)) {
                 (true, true) => Interior::Coupled,
-                _ if !is_searched => Interior::Interpolated,
+                _ if !is_searched || is_branching => Interior::Interpolated,
                 (false, _) => Interior::LIKELY_JUMP,
                 (true, false) => Interior::UNLIKELY_JUMP,
             }

@@ -44,7 +44,8 @@ pub(crate) enum Interior {
         /// Depth to which the interval is bisected in any case.
         min_depth: u32,
     },
-    /// With a weight so large that the motion is practically the interpolation of the knots, because a search would take too long.
+    /// With a weight so large that the motion is practically the interpolation of the knots, because a search would take too long: of
+    /// large lattices, and of branching ones, which are split anew at every time.
     Interpolated,
 }
 
