@@ -55,7 +55,7 @@ impl Curvature {
 
     /// Computes the curvature of one branch of a lattice: 0 where the branch does not contain the shape.
     pub(super) fn of_branch(branches: &BranchedLattice<2>, branch: usize) -> Self {
-        let (grid, bending) = (branches.grid(), branches.bending(branch));
+        let (grid, bending) = (branches.grid(), &branches.bending()[branch]);
         let side = (2 * grid.dims[0].max(grid.dims[1])).next_power_of_two().clamp(16, 128);
         let spans = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]));
         // The cells of the lattice grid that overlap a cell of the table.
@@ -63,7 +63,7 @@ impl Curvature {
         let cells = (0..side * side).map(|cell| {
             let [columns, rows] = [overlapped(0, cell % side), overlapped(1, cell / side)];
             let within = rows.flat_map(|j| columns.clone().map(move |i| i + spans[0] * j));
-            within.map(|cell| bending[cell]).fold(0.0, f64::max)
+            within.map(|cell| bending.cells[cell]).fold(0.0, f64::max)
         });
         let (lo, size) = corner_and_size(grid);
         Self {
@@ -72,8 +72,22 @@ impl Curvature {
             size,
             levels: pyramid(cells.collect(), side),
             side,
-            kink: branches.greatest_strain_at_border(branch),
+            kink: bending.strain_at_border,
         }
+    }
+
+    /// Computes the greatest curvature of several branches of one lattice; `None` if there are none.
+    pub(super) fn greatest_of(branches: &[Self]) -> Option<Self> {
+        let first = branches.first()?;
+        let greatest =
+            |level: usize, block: usize| branches.iter().map(|branch| branch.levels[level][block]).fold(0.0, f64::max);
+        let level = |level: usize| (0..first.levels[level].len()).map(|block| greatest(level, block)).collect();
+        Some(Self {
+            grid: first.grid.clone(),
+            levels: (0..first.levels.len()).map(level).collect(),
+            kink: branches.iter().map(|branch| branch.kink).fold(0.0, f64::max),
+            ..*first
+        })
     }
 
     /// Returns whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.

@@ -114,24 +114,26 @@ impl PartWarp<'_> {
         }
     }
 
-    /// Returns the curvature of each branch; empty at rest, and for blends, whose layers have tables of their own.
-    fn curvature(&self) -> Vec<Curvature> {
-        match self {
+    /// Returns the curvature of the layer; empty at rest, and for blends, whose layers have tables of their own.
+    fn curvature(&self) -> LayerCurvature {
+        let branches: Vec<Curvature> = match self {
             Self::Rest | Self::Blend(_) => Vec::new(),
             Self::Lattice(lattice) => vec![Curvature::of(lattice)],
             Self::Branches(BranchWarp { branches, .. }) => {
                 (0..branches.branch_count()).map(|branch| Curvature::of_branch(branches, branch)).collect()
             }
-        }
+        };
+        LayerCurvature { greatest: Curvature::greatest_of(&branches), branches }
     }
 
     /// Returns whether the warp of the edge between two points needs more than a straight line, by the curvature of the branches at
     /// its ends.
-    fn bends(&self, tables: &[Curvature], ends: [DVec2; 2], on: [PartPoint; 2]) -> bool {
-        let Self::Branches(warp) = self else { return tables.iter().any(|table| table.bends(ends)) };
-        let [from, to] = [0, 1].map(|end| warp.branch(ScreenPoint(ends[end]), on[end].triangle as usize));
-        let is_bent = |branch: Option<usize>| branch.is_some_and(|branch| tables[branch].bends(ends));
-        is_bent(from) || from != to && is_bent(to)
+    fn bends(&self, curvature: &LayerCurvature, ends: [DVec2; 2], on: [PartPoint; 2]) -> bool {
+        let may_bend = curvature.greatest.as_ref().is_some_and(|greatest| greatest.bends(ends));
+        let Self::Branches(warp) = self else { return may_bend };
+        let branch = |end: usize| warp.branch(ScreenPoint(ends[end]), on[end].triangle as usize);
+        let is_bent = |branch: Option<usize>| branch.is_some_and(|branch| curvature.branches[branch].bends(ends));
+        may_bend && (is_bent(branch(0)) || is_bent(branch(1)))
     }
 }
 
@@ -154,10 +156,18 @@ impl BranchWarp<'_> {
     }
 }
 
+/// The curvature of a layer.
+struct LayerCurvature {
+    /// One table per branch.
+    branches: Vec<Curvature>,
+    /// The greatest curvature of all branches; `None` if there are none.
+    greatest: Option<Curvature>,
+}
+
 /// Determines which edges of a part need more than a straight line.
 pub(super) struct EdgeBends<'a> {
-    /// The layers with their curvature, one table per branch.
-    layers: Vec<(&'a PartWarp<'a>, Vec<Curvature>)>,
+    /// The layers with their curvature.
+    layers: Vec<(&'a PartWarp<'a>, LayerCurvature)>,
 }
 
 impl<'a> EdgeBends<'a> {
@@ -170,15 +180,15 @@ impl<'a> EdgeBends<'a> {
     pub(super) fn bends(&self, [a, b]: [DVec2; 2], on: [PartPoint; 2]) -> bool {
         let [from, to] = on.map(|point| point.weights);
         if from.is_empty() {
-            return self.layers.iter().any(|(layer, tables)| layer.bends(tables, [a, b], on));
+            return self.layers.iter().any(|(layer, curvature)| layer.bends(curvature, [a, b], on));
         }
         let acting = self.layers.iter().zip(from.iter().zip(to));
         let mut strays = DVec2::ZERO;
-        for ((layer, tables), (&from, &to)) in acting {
+        for ((layer, curvature), (&from, &to)) in acting {
             if from <= 0.0 && to <= 0.0 || layer.is_rest() {
                 continue;
             }
-            if layer.bends(tables, [a, b], on) {
+            if layer.bends(curvature, [a, b], on) {
                 return true;
             }
             if from != to {

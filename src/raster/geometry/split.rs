@@ -7,6 +7,7 @@ use super::part_warp::EdgeBends;
 use super::vertex::VertexList;
 use crate::scene::Primitive;
 use crate::screen::{Corner, clip_near};
+use foldhash::fast::FixedState;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -24,7 +25,7 @@ pub(super) struct Splitter<'a> {
     /// The current triangle of the source mesh.
     triangle: u32,
     /// Vertices created on edges, by the edge's ends and the reason.
-    made: HashMap<(u32, u32, EdgeVertex), u32>,
+    made: HashMap<(u32, u32, EdgeVertex), u32, FixedState>,
 }
 
 /// The reason for a vertex on an edge.
@@ -37,7 +38,7 @@ enum EdgeVertex {
 impl<'a> Splitter<'a> {
     /// Reserves space for `triangles` triangles, which most parts do not exceed.
     pub(super) fn new(vertices: VertexList<'a>, triangles: usize, bends: &'a EdgeBends<'a>) -> Self {
-        Self { vertices, triangles: Vec::with_capacity(triangles), bends, triangle: 0, made: HashMap::new() }
+        Self { vertices, triangles: Vec::with_capacity(triangles), bends, triangle: 0, made: HashMap::default() }
     }
 
     /// Adds triangles of the source mesh by their numbers; `None`: all.

@@ -1,71 +1,130 @@
 //! Measures of how strongly a branching lattice bends.
 //!
-//! In: a [`BranchedLattice`]. Out: an upper estimate of its second derivative in each cell, and its strain in the cells at the
-//! border of the box.
+//! In: a [`Branching`], the lattices of its branches. Out: for each branch an estimate of its second derivative where it contains the shape, and its strain at
+//! the border of the box.
 
-use super::BranchedLattice;
-use crate::lattice::Grid;
+use super::{Branching, handles_of_cell};
+use crate::lattice::{Grid, Lattice};
+use rayon::prelude::*;
 
-impl<const D: usize> BranchedLattice<D> {
-    /// An upper estimate of the norm of the second derivative of a branch in each cell, #cells; 0 where the branch has no part of the
-    /// shape. Second derivatives of B-splines are averages of second differences of the surrounding handles (C. de Boor,
-    /// "A Practical Guide to Splines", 1978, chapter X).
-    #[must_use]
-    pub(crate) fn bending(&self, branch: usize) -> Vec<f64> {
-        let mut cells = vec![0.0_f64; self.grid().cell_count()];
-        let differences = self.second_differences(branch);
-        for (cell, handles) in self.cells_of(branch) {
-            cells[cell] = handles.into_iter().map(|handle| differences[handle]).fold(cells[cell], f64::max);
-        }
-        cells
-    }
+/// Number of samples along each side of the box of a piece.
+const SAMPLES: usize = 3;
 
-    /// For every handle the largest second difference that begins at it, divided by the squared spacing; 0 if the branch lacks a
-    /// handle that it needs.
-    fn second_differences(&self, branch: usize) -> Vec<f64> {
-        let grid = self.grid();
-        let place = |handle: usize| self.copy_place(branch, handle);
-        let mut greatest = vec![0.0_f64; grid.handle_count()];
-        for (start, greatest) in greatest.iter_mut().enumerate() {
-            for [a, b] in (0..D).flat_map(|a| (a..D).map(move |b| [a, b])) {
-                let Some(corners) = corners(grid, start, [a, b]) else { continue };
-                let [Some(p), Some(q), Some(r), Some(s)] = corners.map(place) else { continue };
-                let square: f64 = (0..D).map(|d| (p[d] - q[d] - r[d] + s[d]).powi(2)).sum();
-                // A mixed difference occurs twice in the Frobenius norm.
-                let count = if a == b { 1.0 } else { std::f64::consts::SQRT_2 };
-                *greatest = greatest.max(count * square.sqrt() / (grid.spacing(a) * grid.spacing(b)));
+/// Extent of a piece, in spans, below which it does not bend.
+const MIN_EXTENT: f64 = 1e-4;
+
+/// How strongly a branch bends.
+#[derive(Clone, Debug)]
+pub(crate) struct Bending {
+    /// An estimate of the greatest norm of the second derivative in each cell, #cells; 0 where the branch has no part of the shape.
+    pub(crate) cells: Vec<f64>,
+    /// The greatest Frobenius norm of gradient minus identity at the centres of the branch's cells along the border of the box.
+    pub(crate) strain_at_border: f64,
+}
+
+/// How strongly each branch bends. `lattice` returns the lattice of a branch.
+pub(super) fn bending(branching: &Branching<2>, lattice: impl Fn(usize) -> Lattice<2> + Sync) -> Vec<Bending> {
+    let bounds = bounds_of_pieces(branching);
+    let branches = (0..branching.branches.len()).into_par_iter();
+    branches.map(|branch| bending_of(branching, (branch, &lattice(branch)), &bounds)).collect()
+}
+
+/// The bounds of each piece, low and high corner, along the axes of the upright box, in spans.
+fn bounds_of_pieces(branching: &Branching<2>) -> Vec<[[f64; 2]; 2]> {
+    let grid = &branching.grid;
+    let mut bounds = vec![[[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]; branching.pieces.list.len()];
+    for (cut, &piece) in branching.cuts.iter().zip(&branching.pieces.of_cuts) {
+        let cell = grid.cell_coords(cut.cell);
+        for corner in cut.polygon.corners() {
+            let upright = grid.upright_from_point(*corner);
+            for axis in 0..2 {
+                let spans = (upright[axis] - grid.lo[axis]) / grid.spacing(axis);
+                // Parts outside the box belong to the nearest cell.
+                let spans = spans.clamp(cell[axis] as f64, (cell[axis] + 1) as f64);
+                let [low, high] = &mut bounds[piece];
+                (low[axis], high[axis]) = (low[axis].min(spans), high[axis].max(spans));
             }
         }
-        greatest
     }
+    bounds
+}
 
-    /// The largest Frobenius norm of gradient minus identity at the centres of the cells of a branch along the border of the box.
-    #[must_use]
-    pub(crate) fn greatest_strain_at_border(&self, branch: usize) -> f64 {
-        let grid = self.grid();
-        let last: [usize; D] = std::array::from_fn(|axis| grid.basis.spans(grid.dims[axis]) - 1);
-        let mut greatest = 0.0_f64;
-        let lattice = self.lattice(branch);
-        for (cell, _) in self.cells_of(branch) {
-            let place = grid.cell_coords(cell);
-            if (0..D).any(|axis| place[axis] == 0 || place[axis] == last[axis]) {
-                let middle = grid.point_from_spans(place.map(|place| place as f64 + 0.5));
-                let gradient = lattice.evaluate_with_gradient(middle).gradient;
-                let square = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
-                let square: f64 = square.map(|(i, j)| (gradient[i][j] - f64::from(u8::from(i == j))).powi(2)).sum();
-                greatest = greatest.max(square.sqrt());
-            }
+fn bending_of(branching: &Branching<2>, (branch, lattice): (usize, &Lattice<2>), bounds: &[[[f64; 2]; 2]]) -> Bending {
+    let grid = &branching.grid;
+    let is_smooth = branching.width > 2;
+    let last = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]) - 1);
+    let mut bending = Bending { cells: vec![0.0; grid.cell_count()], strain_at_border: 0.0 };
+    let own = branching.pieces.list.iter().zip(bounds).zip(&branching.branch_of);
+    for ((piece, bounds), _) in own.filter(|(_, of)| **of == branch) {
+        let acts = |handle: usize| branching.branches[branch][handle].is_some();
+        let handles = || handles_of_cell(grid, branching.width, piece.cell);
+        let own = if is_smooth { second_derivative(lattice, bounds) } else { kink(lattice, &handles(), acts) };
+        bending.cells[piece.cell] = bending.cells[piece.cell].max(own);
+        let place = grid.cell_coords(piece.cell);
+        if (0..2).any(|axis| place[axis] == 0 || place[axis] == last[axis]) {
+            let gradient = gradient(lattice, place.map(|place| place as f64 + 0.5));
+            let strain = difference(&gradient, &[[1.0, 0.0], [0.0, 1.0]]);
+            bending.strain_at_border = bending.strain_at_border.max(strain);
         }
-        greatest
     }
+    bending
+}
+
+/// The largest second difference, over the squared spacing, that begins at one of these handles: a bilinear lattice has kinks at the
+/// borders of its cells. Differences between handles that do not all act on the branch do not count.
+fn kink(lattice: &Lattice<2>, handles: &[usize], acts: impl Fn(usize) -> bool) -> f64 {
+    let grid = &lattice.grid;
+    let mut greatest = 0.0_f64;
+    for &start in handles {
+        for [a, b] in [[0, 0], [0, 1], [1, 1]] {
+            let Some(corners) = corners(grid, start, [a, b]).filter(|corners| corners.iter().all(|&at| acts(at)))
+            else {
+                continue;
+            };
+            let [p, q, r, s] = corners.map(|handle| lattice.handles[handle]);
+            let length = (p[0] - q[0] - r[0] + s[0]).hypot(p[1] - q[1] - r[1] + s[1]);
+            // A mixed difference occurs twice in the Frobenius norm.
+            let count = if a == b { 1.0 } else { std::f64::consts::SQRT_2 };
+            greatest = greatest.max(count * length / (grid.spacing(a) * grid.spacing(b)));
+        }
+    }
+    greatest
+}
+
+/// The greatest change of the gradient between neighbouring samples within bounds, over their distance.
+fn second_derivative(lattice: &Lattice<2>, [low, high]: &[[f64; 2]; 2]) -> f64 {
+    let steps = [0, 1].map(|axis| (high[axis] - low[axis]) / (SAMPLES - 1) as f64);
+    let sample = |i: usize, j: usize| gradient(lattice, [low[0] + i as f64 * steps[0], low[1] + j as f64 * steps[1]]);
+    let gradients: [[[[f64; 2]; 2]; SAMPLES]; SAMPLES] = std::array::from_fn(|i| std::array::from_fn(|j| sample(i, j)));
+    let mut greatest = 0.0_f64;
+    for axis in (0..2).filter(|&axis| steps[axis] > MIN_EXTENT) {
+        let length = steps[axis] * lattice.grid.spacing(axis);
+        for (k, l) in (1..SAMPLES).flat_map(|k| (0..SAMPLES).map(move |l| (k, l))) {
+            let [from, to] = if axis == 0 { [[k - 1, l], [k, l]] } else { [[l, k - 1], [l, k]] };
+            let change = difference(&gradients[from[0]][from[1]], &gradients[to[0]][to[1]]);
+            greatest = greatest.max(change / length);
+        }
+    }
+    greatest
+}
+
+/// The gradient of a lattice at a place in spans.
+fn gradient(lattice: &Lattice<2>, spans: [f64; 2]) -> [[f64; 2]; 2] {
+    lattice.evaluate_with_gradient(lattice.grid.point_from_spans(spans)).gradient
+}
+
+/// The Frobenius norm of the difference between two matrices.
+fn difference(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> f64 {
+    let squares = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2));
+    squares.sum::<f64>().sqrt()
 }
 
 /// The four handles of a second difference that begins at a handle, with signs +, -, -, +; `None` if it would extend beyond the
 /// grid.
-fn corners<const D: usize>(grid: &Grid<D>, start: usize, [a, b]: [usize; 2]) -> Option<[usize; 4]> {
+fn corners(grid: &Grid<2>, start: usize, [a, b]: [usize; 2]) -> Option<[usize; 4]> {
     let place = grid.handle_coords(start);
     let steps = |axis: usize| usize::from(axis == a) + usize::from(axis == b);
-    if (0..D).any(|axis| place[axis] + steps(axis) >= grid.dims[axis]) {
+    if (0..2).any(|axis| place[axis] + steps(axis) >= grid.dims[axis]) {
         return None;
     }
     let [along_a, along_b] = [a, b].map(|axis| grid.stride(axis));

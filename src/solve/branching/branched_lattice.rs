@@ -2,15 +2,16 @@
 //!
 //! In: a [`Branching`] and moved copies. Out: images of points of the shape, lattices to draw with.
 
+use super::bending::{Bending, bending};
 use super::continuation::continued;
-use super::{Branching, checked_width, handles_of_cell};
+use super::{Branching, checked_width};
 use crate::lattice::{Folds, Grid, Lattice};
 use crate::solve::error::SolveError;
 use crate::solve::problem::{PointPin, Shape};
 use crate::solve::upright::Upright;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A solved lattice with branches, in the order of their largest pieces, from the largest one down.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub struct BranchedLattice<const D: usize> {
     pub(super) branching: Arc<Branching<D>>,
     /// Positions of the copies.
     copies: Vec<[f64; D]>,
+    /// How strongly each branch bends, once it was needed.
+    bending: OnceLock<Vec<Bending>>,
 }
 
 impl<const D: usize> PartialEq for BranchedLattice<D> {
@@ -31,7 +34,7 @@ impl<const D: usize> PartialEq for BranchedLattice<D> {
 
 impl<const D: usize> BranchedLattice<D> {
     pub(crate) fn new(branching: &Arc<Branching<D>>, copies: Vec<[f64; D]>) -> Self {
-        Self { branching: Arc::clone(branching), copies }
+        Self { branching: Arc::clone(branching), copies, bending: OnceLock::new() }
     }
 
     /// The lattice at rest over a shape.
@@ -43,7 +46,7 @@ impl<const D: usize> BranchedLattice<D> {
         let branching = Branching::split(&grid.upright(), &shape, checked_width(grid, &shape)?);
         let branching = if grid.angle == 0.0 { branching } else { branching.rotated(grid) };
         let copies = branching.rest();
-        Ok(Self { branching: Arc::new(branching), copies })
+        Ok(Self::new(&Arc::new(branching), copies))
     }
 
     /// Moves this lattice by other lattices with as many handles, for instance those of another shape's branches: each copy of a
@@ -85,7 +88,7 @@ impl<const D: usize> BranchedLattice<D> {
             lattices[best.map_or(0, |(holder, _)| *holder)].handles[handle]
         };
         let copies = of_copies.iter().zip(handles).map(place).collect();
-        Self { branching: Arc::clone(&self.branching), copies }
+        Self::new(&self.branching, copies)
     }
 
     /// Linear interpolation between lattices over the same pieces: 0 gives this lattice, 1 the other.
@@ -95,7 +98,7 @@ impl<const D: usize> BranchedLattice<D> {
     #[must_use]
     pub(crate) fn mixed(&self, other: &Self, share: f64) -> Self {
         let mix = |k: usize| std::array::from_fn(|d| self.copies[k][d] * (1.0 - share) + other.copies[k][d] * share);
-        Self { branching: Arc::clone(&self.branching), copies: (0..self.copies.len()).map(mix).collect() }
+        Self::new(&self.branching, (0..self.copies.len()).map(mix).collect())
     }
 
     /// Number of branches.
@@ -182,7 +185,9 @@ impl<const D: usize> BranchedLattice<D> {
     /// The cells that contain a part of a branch, as column and row.
     #[must_use]
     pub(crate) fn cells(&self, branch: usize) -> Vec<[usize; D]> {
-        self.cells_of(branch).map(|(cell, _)| self.branching.grid.cell_coords(cell)).collect()
+        let Branching { grid, pieces, branch_of, .. } = self.branching.as_ref();
+        let own = pieces.list.iter().zip(branch_of).filter(|(_, of)| **of == branch);
+        own.map(|(piece, _)| grid.cell_coords(piece.cell)).collect()
     }
 
     /// The part of the shape at rest that belongs to each branch, as convex polygons: whole triangles, and parts of those that
@@ -237,7 +242,7 @@ impl<const D: usize> BranchedLattice<D> {
             .iter()
             .zip(&rest)
             .map(|(copy, rest)| std::array::from_fn(|d| rest[d] + (copy[d] - rest[d]) * share));
-        Self { branching: Arc::clone(&self.branching), copies: faded.collect() }
+        Self::new(&self.branching, faded.collect())
     }
 
     /// The image of a pin's point.
@@ -246,18 +251,6 @@ impl<const D: usize> BranchedLattice<D> {
         let (snapped, piece) = self.branching.snapped_pin(pin);
         let image = self.evaluate_in(self.branching.branch_of(piece), snapped.at);
         std::array::from_fn(|d| image[d] + pin.at[d] - snapped.at[d])
-    }
-
-    /// The cells that contain a part of a branch, with the handles that act there.
-    pub(super) fn cells_of(&self, branch: usize) -> impl Iterator<Item = (usize, Vec<usize>)> {
-        let Branching { grid, pieces, branch_of, width, .. } = self.branching.as_ref();
-        let own = pieces.list.iter().zip(branch_of).filter(move |(_, of)| **of == branch);
-        own.map(|(piece, _)| (piece.cell, handles_of_cell(grid, *width, piece.cell)))
-    }
-
-    /// Position of a branch's copy of a handle; `None` if the branch has none.
-    pub(super) fn copy_place(&self, branch: usize, handle: usize) -> Option<[f64; D]> {
-        self.branching.branches[branch][handle].map(|copy| self.copies[copy])
     }
 
     /// The image of a point of a branch. Rounding may assign a point at the border of a piece to a branch that lacks copies of
@@ -304,5 +297,13 @@ impl<const D: usize> BranchedLattice<D> {
             folds.min_det = folds.min_det.min(found.min_det);
         }
         folds
+    }
+}
+
+impl BranchedLattice<2> {
+    /// How strongly each branch bends; computed when it is first needed.
+    #[must_use]
+    pub(crate) fn bending(&self) -> &[Bending] {
+        self.bending.get_or_init(|| bending(&self.branching, |branch| self.lattice(branch)))
     }
 }
