@@ -4,18 +4,16 @@
 //! between neighbouring pins.
 
 use super::rest_mesh::{RestMesh, rest_pose};
+use super::slenderness::Slenderness;
 use crate::pipeline::{PinAnchor, PreparedShot};
 use crate::shot::{LayerSpace, Source};
-use crate::solve::{inner_widths, link_length, solid_links};
+use std::sync::PoisonError;
 
 /// Number of spans across a thin part, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
 const SPANS_ACROSS: f64 = 2.5;
 
 /// Number of spans between two neighbouring pins, so that they do not share all of their handles.
 const SPANS_BETWEEN_PINS: f64 = 2.0;
-
-/// Quantile of a layer's widths that counts as its thickness; the narrower ones are corners and tips.
-const THINNER: f64 = 0.15;
 
 /// Minimum and maximum number of handles along an axis.
 const HANDLES: [usize; 2] = [10, 64];
@@ -26,9 +24,6 @@ const SCENE_HANDLES: usize = 24;
 
 /// Number of handles above which the cost of a sequence is noted.
 const MANY_HANDLES: usize = 2000;
-
-/// Distance of the places where the thickness of a solid is measured, as a fraction of its diagonal.
-const PITCH: f64 = 1.0 / 48.0;
 
 /// Size of a followed box relative to the model, including the padding on both sides.
 const PADDING: f64 = 1.2;
@@ -70,9 +65,10 @@ struct Choice {
 fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     let layer = &prepared.shot.layers[index];
     let coarsest = |why| Choice { dims: [HANDLES[0]; 2], why, wanted: None };
-    let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
-    let Some(longest) = longest_side(&mesh) else { return coarsest("for nothing is seen of it") };
-    let thin = thickness(&mesh).map(|thickness| thickness / longest / SPANS_ACROSS);
+    let Slenderness::Seen(thickness) = slenderness(prepared, index) else {
+        return coarsest("for nothing is seen of it");
+    };
+    let thin = thickness.map(|thickness| thickness / SPANS_ACROSS);
     let frame = f64::from(prepared.shot.reference_frame());
     let sides = box_sides(prepared, index, frame);
     let nearest = nearest_pins(prepared, index, frame);
@@ -98,6 +94,18 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     Choice { dims, why, wanted: (dims != wanted).then_some(wanted) }
 }
 
+/// Returns how thin a layer is; measured once, because it does not depend on pins.
+fn slenderness(prepared: &PreparedShot, index: usize) -> Slenderness {
+    let known = || prepared.cache.slenderness.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = known().get(&index) {
+        return *found;
+    }
+    let mesh = RestMesh::of(&prepared.scene, &rest_pose(&prepared.scene), &prepared.assignment.parts_of_layer[index]);
+    let found = Slenderness::of(&mesh);
+    known().insert(index, found);
+    found
+}
+
 /// Returns width and height of a layer on the screen, in frame heights.
 fn box_sides(prepared: &PreparedShot, index: usize, frame: f64) -> [f64; 2] {
     let (pose, camera) = prepared.view(frame);
@@ -116,22 +124,4 @@ fn nearest_pins(prepared: &PreparedShot, index: usize, frame: f64) -> Option<f64
         rests.iter().zip(on_surface).filter(|(_, is_on)| *is_on).map(|(rest, _)| rest.point.0).collect();
     let pairs = (0..places.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
     pairs.map(|(a, b)| places[a].distance(places[b])).filter(|&distance| distance > 1e-3).reduce(f64::min)
-}
-
-/// Returns the thickness of a mesh: measured through a solid, or across a flat picture.
-fn thickness(mesh: &RestMesh) -> Option<f64> {
-    let links = solid_links(&mesh.points, &mesh.triangles, PITCH, None);
-    let widths: Vec<f64> = if links.is_empty() {
-        inner_widths(&mesh.flat(), &mesh.triangles)
-    } else {
-        links.iter().map(|link| link_length(link, &mesh.points, &mesh.triangles)).collect()
-    };
-    let mut widths: Vec<f64> = widths.into_iter().filter(|&width| width > 0.0).collect();
-    widths.sort_by(f64::total_cmp);
-    widths.get((THINNER * widths.len() as f64) as usize).copied()
-}
-
-fn longest_side(mesh: &RestMesh) -> Option<f64> {
-    let longest = mesh.sides().into_iter().fold(0.0, f64::max);
-    (longest.is_finite() && longest > 0.0).then_some(longest)
 }

@@ -19,6 +19,7 @@ pub(super) mod reflection;
 pub(super) mod rest_links;
 pub(super) mod rest_mesh;
 pub(super) mod selection;
+pub(super) mod slenderness;
 pub(super) mod stiffness;
 mod surface_distance;
 pub(super) mod symmetry;

@@ -142,7 +142,7 @@ impl OpenShot {
         let old = std::mem::take(&mut prepared.cache);
         let mut cache = FrameCache::default();
         (cache.world_bounds, cache.rest) = (old.world_bounds, old.rest);
-        (cache.strokes, cache.mirrors) = (old.strokes, old.mirrors);
+        (cache.strokes, cache.mirrors, cache.slenderness) = (old.strokes, old.mirrors, old.slenderness);
         if is_scene_still {
             (cache.screen_bounds, cache.picture_changes) = (old.screen_bounds, old.picture_changes);
         }
@@ -231,8 +231,7 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
         let of_layer = |layer: &Layer| layer.pins.iter().map(of_pin).collect();
         shot.layers.iter().map(of_layer).collect()
     };
-    let chooses_dims = |shot: &Shot| shot.layers.iter().any(|layer| layer.has_auto_dims);
-    if attachments(old) != attachments(new) || chooses_dims(new) {
+    if attachments(old) != attachments(new) {
         Rework::Pins
     } else if painting(old) != painting(new) {
         Rework::Stiffness
