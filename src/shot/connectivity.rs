@@ -22,7 +22,7 @@ pub struct Connectivity {
 pub enum Cut {
     /// A stroke across a picture: a polyline in frame heights.
     Stroke(Vec<[f64; 2]>),
-    /// A part of a scene, separated from everything else.
+    /// A part of a scene, or of a picture under a mask, separated from everything else.
     Part {
         /// Patterns of node names, as in a layer; empty: all nodes of the layer.
         nodes: Vec<String>,

@@ -63,6 +63,12 @@ impl Wall {
         frame
     }
 
+    /// Saves a mask: white where `is_white` says so of the middle of a pixel.
+    fn paint(&self, name: &str, [width, height]: [u32; 2], is_white: impl Fn(f64, f64) -> bool) {
+        let pixel = |x: u32, y: u32| image::Luma([255 * u8::from(is_white(f64::from(x) + 0.5, f64::from(y) + 0.5))]);
+        image::GrayImage::from_fn(width, height, pixel).save(self.folder.path().join(name)).expect("saved");
+    }
+
     fn shot(&self, text: &str) -> Shot {
         let text = format!("frames = {{ first = 1, last = 2 }}\noutput.path = \"out/f.####.exr\"\n{text}");
         Shot::parse(&text, &self.folder.path().join("shot.toml")).expect("a right shot")
@@ -479,38 +485,83 @@ fn comparisons_are_plain_and_several_pictures_in_a_branching_layer_are_refused()
     assert_eq!(prepared.shot.layers[0].settings.topology, Topology::Plain);
 }
 
-/// An arm that touches the body along its whole length is one with it, until a stroke cuts them apart.
-#[test]
-fn a_stroke_cuts_apart_what_touches() {
-    let touching =
-        |x: f32, y: f32| body_and_arm(x, y).max(f32::from(u8::from(x > 38.0 && x < 52.0 && y > 6.0 && y < 50.0)));
-    let stroke = "[[0.7, 0.05], [0.7, 0.77]]";
-    let changed = |cuts: &str| {
-        let wall = Wall::new();
-        wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
-        let pins: String = [(18.0, 10.0, [0.0; 2]), (38.0, 40.0, [0.0; 2]), (28.0, 55.0, [0.0; 2]), (55.0, 46.0, [18.0, 6.0])]
-            .into_iter()
-            .map(|(x, y, [dx, dy])| {
-                format!(
-                    "[[layer.pin]]\nanchor = {{ screen = [{}, {}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{}, {}] }}]\n",
-                    x / 64.0, 1.0 - y / 64.0, dx / 64.0, dy / 64.0
-                )
-            })
-            .collect();
-        let lattice = format!("{{ dims = [24, 24], topology = \"branching\", cuts = [{cuts}] }}");
-        let shot = wall.shot(&format!("version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = {lattice}\n{pins}"));
-        let (frame, _) = wall.render(shot);
-        let pixels = (30..48).flat_map(|y| (44..56).map(move |x| (x, y)));
-        pixels.filter(|&(x, y)| at(&frame, "A", x, y) < 0.5).count()
-    };
-    let [whole, cut] = ["", stroke].map(changed);
-    println!("uncovered pixels between body and arm: {whole} as one piece, {cut} after the cut");
-    assert!(whole == 0 && cut > 30, "whole {whole}, cut {cut}");
+/// A body with an arm that touches it along its whole length.
+fn touching(x: f32, y: f32) -> f32 {
+    body_and_arm(x, y).max(f32::from(u8::from(x > 38.0 && x < 52.0 && y > 6.0 && y < 50.0)))
+}
+
+/// Number of pixels that are uncovered between body and arm when the arm is pulled away, with the given cuts.
+fn uncovered_by(cuts: &str) -> usize {
     let wall = Wall::new();
     wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
-    let missed = "version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = { topology = \"branching\", cuts = [[[0.0, 0.99], [0.1, 0.99]]] }";
-    let told = wall.fault(wall.shot(missed));
-    assert!(told.contains("cuts nothing") && told.contains("cuts[0]"), "{told}");
+    wall.paint("arm.png", [192, 128], |x, _| x > 2.0 * 44.8);
+    let pins: String = [
+        (18.0, 10.0, [0.0; 2]),
+        (38.0, 40.0, [0.0; 2]),
+        (28.0, 55.0, [0.0; 2]),
+        (55.0, 46.0, [18.0, 6.0]),
+    ]
+    .into_iter()
+    .map(|(x, y, [dx, dy])| {
+        format!(
+            "[[layer.pin]]\nanchor = {{ screen = [{}, {}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{}, {}] }}]\n",
+            x / 64.0,
+            1.0 - y / 64.0,
+            dx / 64.0,
+            dy / 64.0
+        )
+    })
+    .collect();
+    let lattice = format!("{{ dims = [24, 24], topology = \"branching\", cuts = [{cuts}] }}");
+    let shot = wall.shot(&format!("version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = {lattice}\n{pins}"));
+    let (frame, _) = wall.render(shot);
+    let pixels = (30..48).flat_map(|y| (44..56).map(move |x| (x, y)));
+    pixels.filter(|&(x, y)| at(&frame, "A", x, y) < 0.5).count()
+}
+
+/// The fault of a shot of the same picture with these cuts.
+fn fault_of(cuts: &str) -> String {
+    let wall = Wall::new();
+    wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
+    wall.paint("black.png", [96, 64], |_, _| false);
+    wall.paint("square.png", [64, 64], |x, _| x > 40.0);
+    let text = format!(
+        "version = 1\nframes = {{ first = 1, last = 2 }}\nimage = \"one.exr\"\n[[layer]]\nlattice = {{ topology = \"branching\", cuts = [{cuts}] }}"
+    );
+    match Shot::parse(&text, &wall.folder.path().join("shot.toml")) {
+        Ok(shot) => wall.fault(shot),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// An arm that touches the body along its whole length is one with it, until a stroke or a painted mask cuts them apart.
+#[test]
+fn a_stroke_or_a_mask_cuts_apart_what_touches() {
+    let cuts = ["", "[[0.7, 0.05], [0.7, 0.77]]", "{ mask = { file = 'arm.png' } }"];
+    let [whole, stroke, mask] = cuts.map(uncovered_by);
+    println!(
+        "uncovered pixels between body and arm: {whole} as one piece, {stroke} after a stroke, {mask} with a mask"
+    );
+    assert!(whole == 0 && stroke > 30 && mask > 30, "whole {whole}, stroke {stroke}, mask {mask}");
+}
+
+#[test]
+fn cuts_of_a_picture_that_separate_nothing_are_told() {
+    let faults = [
+        ("[[0.0, 0.99], [0.1, 0.99]]", ["cuts nothing", "cuts[0]"]),
+        ("{ mask = { file = 'black.png' } }", ["selects 0 of", "which lies over the whole picture"]),
+        (
+            "{ mask = { file = 'square.png' } }",
+            ["the mask has 64 x 64 pixels, the picture 96 x 64", "cuts[0].mask.file"],
+        ),
+        ("{ mask = { file = 'none.png' } }", ["none.png", "cuts[0].mask.file"]),
+        ("{ mask = { file = 'black.png', texcoord = 1 } }", ["a picture has no UVs", "cuts[0].mask.texcoord"]),
+        ("{ joints = ['Arm'] }", ["only a `scene` has parts with names", "paint a mask"]),
+    ];
+    for (cuts, parts) in faults {
+        let told = fault_of(cuts);
+        assert!(parts.iter().all(|part| told.contains(part)), "{cuts}: {told}");
+    }
 }
 
 #[test]

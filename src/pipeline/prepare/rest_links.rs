@@ -5,12 +5,14 @@
 
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::selection::cut_off;
+use crate::image::PaintedMap;
 use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::screen::primitive;
-use crate::shot::{Cut, CutSurface, Layer, Shot, Source};
+use crate::shot::{Cut, CutSurface, Layer, PaintedMask, Selection, Shot, Source};
 use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, nearest_link, solid_links, surface_links};
+use crate::space::FrameSize;
 use crate::spelling;
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -22,6 +24,17 @@ const PITCHES: [f64; 3] = [1.0 / 14.0, 1.0 / 28.0, 1.0 / 48.0];
 /// Largest distance of the links through a solid, in spans of the lattice: the support of a B-spline is four spans wide, that of a
 /// bilinear basis two.
 const SPANS_APART: f64 = 0.5;
+
+/// Relative difference below which the shapes of a picture and its mask count as equal.
+const SAME_SHAPE: f64 = 0.01;
+
+/// What to do where a cut by name separates nothing.
+const NAMED_HINT: &str = "name a part that touches the rest of the layer at rest (`pinwarp info` lists names); the surface of one mesh \
+                          is opened by `open = true` only";
+
+/// What to do where a cut by mask separates nothing.
+const PAINTED_HINT: &str =
+    "paint some of the drawing white in the mask, which lies over the whole picture, and the rest black";
 
 /// The links of a layer. Those through its solid are as dense as the lattice needs, because the time to split a shape grows with their
 /// number.
@@ -143,15 +156,17 @@ impl LayerLinks<'_> {
             match cut {
                 Cut::Stroke(stroke) => by_pitch.iter_mut().for_each(|(_, links)| self.cut_along(stroke, links)),
                 Cut::Part { nodes, selection, surface } => {
-                    let parts = (self.rest.parts.as_slice(), self.parts);
-                    let is_in = cut_off((self.shot, self.scene), [self.index, number], (nodes, selection), parts)?;
+                    let (is_in, hint) = match self.shot.source {
+                        Source::Scene(_) => (self.named(number, (nodes, selection))?, NAMED_HINT),
+                        Source::Images(_) | Source::Frame => {
+                            (self.painted(&key, selection.mask.as_ref())?, PAINTED_HINT)
+                        }
+                    };
                     by_pitch.iter_mut().for_each(|(_, links)| self.cut_part(&is_in, *surface, links));
                     if count(by_pitch) == before {
                         let count = is_in.iter().filter(|is_in| **is_in).count();
                         let of = is_in.len();
-                        let what = format!("cut {number} separates nothing: it names {count} of {of} triangles");
-                        let hint = "name a part that touches the rest of the layer at rest (`pinwarp info` lists names); \
-                                    the surface of one mesh is opened by `open = true` only";
+                        let what = format!("cut {number} separates nothing: it selects {count} of {of} triangles");
                         return Err(self.fault(&key, &what, hint));
                     }
                 }
@@ -162,6 +177,36 @@ impl LayerLinks<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Returns whether each triangle belongs to the part of a scene that a cut names.
+    fn named(&self, number: usize, rules: (&[String], &Selection)) -> Result<Vec<bool>, PipelineError> {
+        let parts = (self.rest.parts.as_slice(), self.parts);
+        cut_off((self.shot, self.scene), [self.index, number], rules, parts)
+    }
+
+    /// Returns whether the middle of each triangle of a picture is painted in a mask that lies over the frame.
+    fn painted(&self, key: &str, mask: Option<&PaintedMask>) -> Result<Vec<bool>, PipelineError> {
+        let Some(mask) = mask else { return Ok(vec![false; self.mesh.triangles.len()]) };
+        let file_key = format!("{key}.mask.file");
+        let map = PaintedMap::read(&mask.file, mask.channel.index());
+        let map = map.map_err(|error| {
+            self.fault(&file_key, &error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
+        })?;
+        let FrameSize { width, height, .. } = self.shot.size;
+        let [w, h] = map.size;
+        let shapes = [f64::from(width) / f64::from(height), f64::from(w) / f64::from(h)];
+        if (shapes[1] / shapes[0] - 1.0).abs() > SAME_SHAPE {
+            let what = format!("the mask has {w} x {h} pixels, the picture {width} x {height}");
+            return Err(self.fault(&file_key, &what, "paint it over the picture; other sizes of that shape will do"));
+        }
+        let points = self.mesh.flat();
+        let aspect = self.shot.size.aspect();
+        let is_painted = |corners: &[u32; 3]| {
+            let middle = |axis: usize| corners.iter().map(|&corner| points[corner as usize][axis]).sum::<f64>() / 3.0;
+            map.at([(middle(0) / aspect) as f32, (1.0 - middle(1)) as f32]) > 0.5
+        };
+        Ok(self.mesh.triangles.iter().map(is_painted).collect())
     }
 
     /// Removes the links between a part and everything else; a surface that stays whole keeps its own.

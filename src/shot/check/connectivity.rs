@@ -51,13 +51,29 @@ impl Check<'_> {
 
     fn part_cut(&mut self, raw: &RawPartCut, key: &str, shot: &LayerDefaults) -> Cut {
         let selection = self.selection(&raw.select(), key, shot);
-        if shot.source != Kind::Scene {
-            self.fault(key, "only a `scene` has parts with names", "draw a stroke: [[x, y], [x, y], ..]");
-        } else if raw.nodes.is_none() && selection.is_whole() {
-            let hint = "name nodes, joints, materials, vertex_color or a mask";
-            self.fault(key, "a cut without a name separates nothing", hint);
+        let names = raw.nodes.is_some()
+            || selection.vertex_color.is_some()
+            || !selection.joints.is_empty()
+            || !selection.materials.is_empty();
+        match shot.source {
+            Kind::Scene if raw.nodes.is_none() && selection.is_whole() => {
+                let hint = "name nodes, joints, materials, vertex_color or a mask";
+                self.fault(key, "a cut without a name separates nothing", hint);
+            }
+            Kind::Scene => {}
+            Kind::Images if names || selection.mask.is_none() => {
+                let hint = "draw a stroke: [[x, y], [x, y], ..], or paint a mask: { mask = { file = \"arm.png\" } }";
+                self.fault(key, "only a `scene` has parts with names", hint);
+            }
+            Kind::Images if selection.mask.as_ref().is_some_and(|mask| mask.uv_set != 0) => {
+                self.fault(&format!("{key}.mask.texcoord"), "a picture has no UVs", "remove `texcoord`");
+            }
+            Kind::Images => {}
+            Kind::Frame => self.fault(key, "a whole plate has no parts", "give a scene or an `image`"),
         }
-        let surface = if raw.open { CutSurface::Opened } else { CutSurface::Whole };
+        // The parts of a drawing hang together by its surface alone.
+        let is_open = raw.open || shot.source == Kind::Images;
+        let surface = if is_open { CutSurface::Opened } else { CutSurface::Whole };
         Cut::Part { nodes: raw.nodes.clone().unwrap_or_default(), selection, surface }
     }
 }

@@ -13,11 +13,12 @@ use serde::Deserialize;
 pub(in crate::shot) enum RawCut {
     /// A stroke across a picture: points in frame heights.
     Stroke(#[schemars(length(min = 2))] Vec<[f64; 2]>),
-    /// A part of a scene, which is separated from everything else.
+    /// A part of a scene, or of a picture under a mask, which is separated from everything else.
     Part(RawPartCut),
 }
 
-/// A part of a scene, selected by names. If several keys are set, only what all of them select is cut off.
+/// A part of a scene, selected by names, or of a picture, selected by a mask. If several keys are set, only what all of them select is
+/// cut off.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -34,10 +35,10 @@ pub(in crate::shot) struct RawPartCut {
     /// Channel of the vertex colours: selects where it is above 0.5.
     #[schemars(example = &"r")]
     pub(in crate::shot) vertex_color: Option<ColorChannel>,
-    /// A picture painted over the UVs of the meshes: selects where it is above 0.5.
+    /// A picture painted over the UVs of the meshes, or over the picture of the layer: selects where it is above 0.5.
     #[schemars(example = serde_json::json!({ "file": "arm.png" }))]
     pub(in crate::shot) mask: Option<RawMask>,
-    /// Whether the cut also opens the surface of a mesh that the part belongs to.
+    /// Whether the cut also opens the surface of a mesh that the part belongs to; that of a picture is always opened.
     pub(in crate::shot) open: bool,
 }
 
