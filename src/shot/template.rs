@@ -11,6 +11,8 @@ use toml_edit::Value;
 pub struct TemplateFacts {
     /// The subject of the shot.
     pub subject: Subject,
+    /// Whether the lattice of a scene can branch in good time: the scene has no lines, and not too many triangles.
+    pub can_branch: bool,
     /// Names of the cameras, in order; unnamed ones are omitted.
     pub cameras: Vec<String>,
     /// Whether the scene has a camera, named or not.
@@ -178,7 +180,8 @@ fn layer(facts: &TemplateFacts) -> String {
 "
     );
     let (lattice, region, handle) = match facts.subject {
-        Subject::Scene => (SCENE_LATTICE, REGION, handle.as_str()),
+        Subject::Scene if facts.can_branch => (SCENE_LATTICE, REGION, ""),
+        Subject::Scene => (PLAIN_LATTICE, REGION, handle.as_str()),
         // Handle indices have as many numbers as dims, which an automatic lattice does not have.
         Subject::Image => (IMAGE_LATTICE, IMAGE_REGION, ""),
     };
@@ -220,9 +223,17 @@ fn pin_key(frame: f64) -> String {
 }
 
 /// The lattice options of a scene.
-const SCENE_LATTICE: &str = "## Limbs that cross on the screen, or hang close to something else, move apart with this one, which takes longer:
-## lattice = { dims = \"auto\", topology = \"branching\" }
+const SCENE_LATTICE: &str = "## Parts that are apart on the model move apart, also where they cross on the screen; dims fit the thinnest of them.
+## Faster, where what is close together may move together:
+## lattice = { dims = [10, 10], topology = \"plain\" }
 ## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
+## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
+lattice = { dims = \"auto\", topology = \"branching\", box = \"follow\" }
+
+";
+
+/// The lattice options of a scene whose lattice cannot branch, or takes long to.
+const PLAIN_LATTICE: &str = "## In the scene instead of on the screen: it bends the meshes, pins move in metres (three numbers) or on the screen (two).
 ## lattice = { space = \"world\", dims = [5, 5, 5], box = \"follow\" }
 lattice = { dims = [10, 10], basis = \"bspline\", box = \"follow\" }
 

@@ -3,6 +3,7 @@
 use super::parse;
 use pinwarp::shot::template::{self, ClipFact, Subject, TemplateFacts};
 use pinwarp::shot::{CameraRule, OffsetUnit, Rotation, Shot, schema};
+use pinwarp::solve::Topology;
 use pinwarp::space::FrameSize;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -55,6 +56,7 @@ fn the_example_of_the_reference_is_a_shot() {
 fn facts() -> TemplateFacts {
     TemplateFacts {
         subject: Subject::Scene,
+        can_branch: false,
         cameras: vec!["Cam \"A\"".to_owned(), "B".to_owned()],
         has_camera: true,
         clips: vec![ClipFact { name: "Walk\nfast".to_owned(), secs: 1.5 }],
@@ -102,6 +104,7 @@ fn the_examples_of_the_template_work_when_uncommented() {
 fn the_template_suits_a_bare_scene_of_one_frame() {
     let bare = TemplateFacts {
         subject: Subject::Scene,
+        can_branch: true,
         cameras: Vec::new(),
         has_camera: false,
         clips: Vec::new(),
@@ -113,7 +116,10 @@ fn the_template_suits_a_bare_scene_of_one_frame() {
     };
     let text = template::write("a.glb", &bare);
     assert!(text.contains("no camera: one that shows the whole scene is used"), "{text}");
-    assert_eq!(parse(&text).unwrap().frames.count(), 1);
+    let shot = parse(&text).unwrap();
+    assert_eq!(shot.frames.count(), 1);
+    assert_eq!(shot.layers[0].settings.topology, Topology::Branching);
+    assert!(shot.layers[0].has_auto_dims);
     parse(&uncommented(&text)).unwrap();
 }
 

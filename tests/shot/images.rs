@@ -79,6 +79,7 @@ fn the_template_of_a_picture_is_a_working_shot() {
     image::RgbaImage::new(30, 20).save(folder.path().join("my girl.png")).unwrap();
     let facts = TemplateFacts {
         subject: Subject::Image,
+        can_branch: true,
         cameras: Vec::new(),
         has_camera: true,
         clips: Vec::new(),
