@@ -225,14 +225,14 @@ fn states_between_frames_are_near_those_solved_alone() {
     let scene = Scene::new(&girl, girl.raised(), [16, 20]);
     let trajectory = Trajectory::solve(&scene, coupling(), &Cancel::never()).expect("solved");
     let motion = Motion { scene: &scene, trajectory };
-    for time in [0.0, 4.0, 4.5, 10.0] {
+    // The tip of the arm comes to rest faster than the speed limit allows, so its motion is spread over the last frames.
+    for (time, limit) in [(0.0, 12.0), (4.0, 12.0), (4.5, 12.0), (10.0, 20.0)] {
         let problem = scene.at(time).expect("a problem").expect("pins act");
         let Targets { pins, handles } = &problem.path[0];
         let bare = Problem { grid: &problem.grid, shape: &problem.shape, pins, handles, settings: &scene.settings };
         let alone = scene.images(&solve(&bare).expect("solved"), time);
         let off = farthest(&motion.points(time), &alone);
         println!("at {time}: {off:.2} px from the solve alone");
-        // The tip of the arm comes to rest faster than the speed limit allows, so its motion is spread over the last frames.
-        assert!(off < 20.0, "{off} px at {time}");
+        assert!(off < limit, "{off} px at {time}");
     }
 }

@@ -7,6 +7,9 @@ use super::{ImageError, PictureKind, read_any};
 use crate::space::PixelRect;
 use std::path::Path;
 
+/// Relative difference below which the aspect ratios of two pictures count as equal.
+const SAME_SHAPE: f64 = 0.01;
+
 /// Painted weights over the unit square.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PaintedMap {
@@ -51,6 +54,12 @@ impl PaintedMap {
             if code.is_finite() { code.clamp(0.0, 1.0) } else { 0.0 }
         };
         Ok(Self { size: [width, height], values: own.iter().enumerate().map(value).collect() })
+    }
+
+    /// Whether width and height are in the same proportion as those of a picture.
+    pub(crate) fn has_shape_of(&self, size: [u32; 2]) -> bool {
+        let shape = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height.max(1));
+        (shape(self.size) / shape(size) - 1.0).abs() <= SAME_SHAPE
     }
 
     /// Returns the bilinearly interpolated value at a position of the unit square, x right, y down from the upper left

@@ -25,9 +25,6 @@ const PITCHES: [f64; 3] = [1.0 / 14.0, 1.0 / 28.0, 1.0 / 48.0];
 /// bilinear basis two.
 const SPANS_APART: f64 = 0.5;
 
-/// Relative difference below which the shapes of a picture and its mask count as equal.
-const SAME_SHAPE: f64 = 0.01;
-
 /// What to do where a cut by name separates nothing.
 const NAMED_HINT: &str = "name a part that touches the rest of the layer at rest (`pinwarp info` lists names); the surface of one mesh \
                           is opened by `open = true` only";
@@ -194,17 +191,16 @@ impl LayerLinks<'_> {
             self.fault(&file_key, &error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
         })?;
         let FrameSize { width, height, .. } = self.shot.size;
-        let [w, h] = map.size;
-        let shapes = [f64::from(width) / f64::from(height), f64::from(w) / f64::from(h)];
-        if (shapes[1] / shapes[0] - 1.0).abs() > SAME_SHAPE {
+        if !map.has_shape_of([width, height]) {
+            let [w, h] = map.size;
             let what = format!("the mask has {w} x {h} pixels, the picture {width} x {height}");
             return Err(self.fault(&file_key, &what, "paint it over the picture; other sizes of that shape will do"));
         }
         let points = self.mesh.flat();
         let aspect = self.shot.size.aspect();
         let is_painted = |corners: &[u32; 3]| {
-            let middle = |axis: usize| corners.iter().map(|&corner| points[corner as usize][axis]).sum::<f64>() / 3.0;
-            map.at([(middle(0) / aspect) as f32, (1.0 - middle(1)) as f32]) > 0.5
+            let [x, y] = middle(&points, corners);
+            map.at([(x / aspect) as f32, (1.0 - y) as f32]) > 0.5
         };
         Ok(self.mesh.triangles.iter().map(is_painted).collect())
     }
@@ -221,12 +217,8 @@ impl LayerLinks<'_> {
     /// Removes the links that a stroke crosses. Pictures are flat: their x and y are screen coordinates.
     fn cut_along(&self, stroke: &[[f64; 2]], links: &mut Vec<Link>) {
         let points = self.mesh.flat();
-        let middle = |end: &LinkEnd| -> [f64; 2] {
-            let corners = self.mesh.triangles[end.triangle as usize].map(|corner| points[corner as usize]);
-            [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 3.0)
-        };
         links.retain(|link| {
-            let way = link.ends.each_ref().map(middle);
+            let way = link.ends.each_ref().map(|end| middle(&points, &self.mesh.triangles[end.triangle as usize]));
             !stroke.windows(2).any(|segment| meet(way, [segment[0], segment[1]]))
         });
     }
@@ -270,6 +262,11 @@ impl LayerLinks<'_> {
         }
         found
     }
+}
+
+/// The centroid of a triangle.
+fn middle(points: &[[f64; 2]], corners: &[u32; 3]) -> [f64; 2] {
+    [0, 1].map(|axis| corners.iter().map(|&corner| points[corner as usize][axis]).sum::<f64>() / 3.0)
 }
 
 /// Whether two segments cross or touch.

@@ -111,7 +111,7 @@ impl<'a> Surface<'a> {
         let step = self.triangles.len().div_ceil(CANDIDATES * count);
         let corners = |triangle: &Triangle| CORNERS.map(|corner| triangle.at(corner));
         candidates.extend(self.triangles.iter().step_by(step).flat_map(corners));
-        let positions: Vec<DVec3> = candidates.iter().map(|candidate| self.position(candidate)).collect();
+        let positions: Vec<DVec3> = candidates.iter().filter_map(|candidate| candidate.in_scene(self.pose)).collect();
         let mut distances = vec![f64::INFINITY; candidates.len()];
         let mut farthest = 0;
         let mut points = Vec::with_capacity(count);
@@ -124,16 +124,6 @@ impl<'a> Surface<'a> {
             farthest = (0..distances.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b])).unwrap_or(0);
         }
         points
-    }
-
-    fn position(&self, point: &PinAnchor) -> DVec3 {
-        match *point {
-            PinAnchor::Surface { part, corners, barycentric, .. } => {
-                let positions = &self.pose.parts[part].positions;
-                (0..3).map(|k| barycentric[k] * positions[corners[k] as usize].0.as_dvec3()).sum()
-            }
-            PinAnchor::Screen(_) => DVec3::ZERO,
-        }
     }
 }
 

@@ -116,24 +116,28 @@ impl PartWarp<'_> {
 
     /// Returns the curvature of the layer; empty at rest, and for blends, whose layers have tables of their own.
     fn curvature(&self) -> LayerCurvature {
-        let branches: Vec<Curvature> = match self {
-            Self::Rest | Self::Blend(_) => Vec::new(),
-            Self::Lattice(lattice) => vec![Curvature::of(lattice)],
+        match self {
+            Self::Rest | Self::Blend(_) => LayerCurvature { greatest: None, branches: Vec::new() },
+            Self::Lattice(lattice) => LayerCurvature { greatest: Some(Curvature::of(lattice)), branches: Vec::new() },
             Self::Branches(BranchWarp { branches, .. }) => {
-                (0..branches.branch_count()).map(|branch| Curvature::of_branch(branches, branch)).collect()
+                let of_branch = |branch: usize| Curvature::of_branch(branches, branch);
+                let branches: Vec<Curvature> = (0..branches.branch_count()).map(of_branch).collect();
+                LayerCurvature { greatest: Curvature::greatest_of(&branches), branches }
             }
-        };
-        LayerCurvature { greatest: Curvature::greatest_of(&branches), branches }
+        }
     }
 
     /// Returns whether the warp of the edge between two points needs more than a straight line, by the curvature of the branches at
     /// its ends.
     fn bends(&self, curvature: &LayerCurvature, ends: [DVec2; 2], on: [PartPoint; 2]) -> bool {
-        let may_bend = curvature.greatest.as_ref().is_some_and(|greatest| greatest.bends(ends));
-        let Self::Branches(warp) = self else { return may_bend };
-        let branch = |end: usize| warp.branch(ScreenPoint(ends[end]), on[end].triangle as usize);
+        // Most edges stay straight under the greatest curvature, so their branches need not be found.
+        if !curvature.greatest.as_ref().is_some_and(|greatest| greatest.bends(ends)) {
+            return false;
+        }
+        let Self::Branches(warp) = self else { return true };
+        let [from, to] = [0, 1].map(|end| warp.branch(ScreenPoint(ends[end]), on[end].triangle as usize));
         let is_bent = |branch: Option<usize>| branch.is_some_and(|branch| curvature.branches[branch].bends(ends));
-        may_bend && (is_bent(branch(0)) || is_bent(branch(1)))
+        is_bent(from) || from != to && is_bent(to)
     }
 }
 
@@ -158,10 +162,10 @@ impl BranchWarp<'_> {
 
 /// The curvature of a layer.
 struct LayerCurvature {
-    /// One table per branch.
-    branches: Vec<Curvature>,
-    /// The greatest curvature of all branches; `None` if there are none.
+    /// That of the lattice, or the greatest of all its branches; `None` at rest.
     greatest: Option<Curvature>,
+    /// That of each branch; empty for plain lattices.
+    branches: Vec<Curvature>,
 }
 
 /// Determines which edges of a part need more than a straight line.

@@ -3,6 +3,7 @@
 //! In: a [`Branching`], a pin. Out: the connectedness of each piece with the pin's own, and the rows and gradients of the pin's
 //! neighbourhoods.
 
+use super::support_box::cell_at;
 use super::{Branching, handles_of_cell};
 use crate::lattice::Support;
 use crate::solve::energy::Neighbourhood;
@@ -43,7 +44,7 @@ impl<'a, const D: usize> AroundPin<'a, D> {
         if self.pin.region.is_none_or(|region| region.stiffness == 1.0) {
             return 1.0;
         }
-        let in_cell = self.branching.pieces.in_cell(self.branching.cell_at(point));
+        let in_cell = self.branching.pieces.in_cell(cell_at(&self.branching.grid, &point));
         let near =
             in_cell.filter(|&piece| self.branching.branch_of(piece) == branch).map(|piece| self.in_region[piece]);
         1.0 + (region_stiffness(&self.pin, point) - 1.0) * near.fold(0.0, f64::max)
@@ -93,7 +94,7 @@ impl<const D: usize> Neighbourhood<D> for AroundPin<'_, D> {
         let mut mean = BTreeMap::new();
         let mut total = 0.0;
         for (point, weight) in points {
-            let in_cell = branching.pieces.in_cell(branching.cell_at(*point));
+            let in_cell = branching.pieces.in_cell(cell_at(&branching.grid, point));
             let shares: Vec<(usize, f64)> = in_cell.map(|piece| (piece, self.share(piece))).collect();
             let sum: f64 = shares.iter().map(|(_, share)| share).sum();
             for (piece, share) in shares.into_iter().filter(|(_, share)| *share > 0.0) {
@@ -153,15 +154,6 @@ impl<const D: usize> Branching<D> {
             }
         }
         nearness
-    }
-
-    /// The index of the cell that contains a point; outside the grid, of the nearest cell.
-    fn cell_at(&self, point: [f64; D]) -> usize {
-        (0..D).rev().fold(0, |cell, axis| {
-            let spans = self.grid.basis.spans(self.grid.dims[axis]);
-            let place = ((point[axis] - self.grid.lo[axis]) / self.grid.spacing(axis)).max(0.0) as usize;
-            cell * spans + place.min(spans - 1)
-        })
     }
 
     /// The point of a cell that is nearest to a point.

@@ -1,14 +1,17 @@
 //! Measures of how strongly a branching lattice bends.
 //!
-//! In: a [`Branching`], the lattices of its branches. Out: for each branch an estimate of its second derivative where it contains the shape, and its strain at
-//! the border of the box.
+//! In: a [`Branching`], the lattices of its branches. Out: for each branch an estimate of its second derivative where it contains the
+//! shape, and its strain at the border of the box.
 
 use super::{Branching, handles_of_cell};
 use crate::lattice::{Grid, Lattice};
+use crate::solve::linalg::small_matrix::squared_distance;
 use rayon::prelude::*;
 
 /// Number of samples along each side of the box of a piece.
 const SAMPLES: usize = 3;
+
+const IDENTITY: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
 /// Extent of a piece, in spans, below which it does not bend.
 const MIN_EXTENT: f64 = 1e-4;
@@ -63,7 +66,7 @@ fn bending_of(branching: &Branching<2>, (branch, lattice): (usize, &Lattice<2>),
         let place = grid.cell_coords(piece.cell);
         if (0..2).any(|axis| place[axis] == 0 || place[axis] == last[axis]) {
             let gradient = gradient(lattice, place.map(|place| place as f64 + 0.5));
-            let strain = difference(&gradient, &[[1.0, 0.0], [0.0, 1.0]]);
+            let strain = squared_distance(&gradient, &IDENTITY).sqrt();
             bending.strain_at_border = bending.strain_at_border.max(strain);
         }
     }
@@ -101,7 +104,7 @@ fn second_derivative(lattice: &Lattice<2>, [low, high]: &[[f64; 2]; 2]) -> f64 {
         let length = steps[axis] * lattice.grid.spacing(axis);
         for (k, l) in (1..SAMPLES).flat_map(|k| (0..SAMPLES).map(move |l| (k, l))) {
             let [from, to] = if axis == 0 { [[k - 1, l], [k, l]] } else { [[l, k - 1], [l, k]] };
-            let change = difference(&gradients[from[0]][from[1]], &gradients[to[0]][to[1]]);
+            let change = squared_distance(&gradients[from[0]][from[1]], &gradients[to[0]][to[1]]).sqrt();
             greatest = greatest.max(change / length);
         }
     }
@@ -111,12 +114,6 @@ fn second_derivative(lattice: &Lattice<2>, [low, high]: &[[f64; 2]; 2]) -> f64 {
 /// The gradient of a lattice at a place in spans.
 fn gradient(lattice: &Lattice<2>, spans: [f64; 2]) -> [[f64; 2]; 2] {
     lattice.evaluate_with_gradient(lattice.grid.point_from_spans(spans)).gradient
-}
-
-/// The Frobenius norm of the difference between two matrices.
-fn difference(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> f64 {
-    let squares = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2));
-    squares.sum::<f64>().sqrt()
 }
 
 /// The four handles of a second difference that begins at a handle, with signs +, -, -, +; `None` if it would extend beyond the

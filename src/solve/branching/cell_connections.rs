@@ -34,7 +34,6 @@ pub(super) struct CellConnections<'a, const D: usize> {
     parts: &'a CellParts<D>,
     /// The triangles with a cut in each cell, #cells.
     triangles_of_cell: Vec<Vec<u32>>,
-    is_terminal: Vec<bool>,
     /// Place of each triangle in the cell that is being processed, #triangles.
     place_of: Vec<u32>,
     /// Trees by cell and side, #cells times 3^D.
@@ -45,15 +44,10 @@ impl<'a, const D: usize> CellConnections<'a, D> {
     pub(super) fn new(grid: &'a Grid<D>, parts: &'a CellParts<D>, cuts: &[Cut<D>]) -> Self {
         let mut triangles_of_cell = vec![Vec::new(); grid.cell_count()];
         cuts.iter().for_each(|cut| triangles_of_cell[cut.cell].push(cut.triangle as u32));
-        let mut is_terminal = vec![false; parts.triangle_count()];
-        for &[triangle, _] in (0..grid.cell_count()).flat_map(|cell| parts.terminals(cell)) {
-            is_terminal[triangle as usize] = true;
-        }
         Self {
             grid,
             parts,
             triangles_of_cell,
-            is_terminal,
             place_of: vec![NONE; parts.triangle_count()],
             trees: vec![None; grid.cell_count() * 3_usize.pow(D as u32)],
         }
@@ -80,7 +74,7 @@ impl<'a, const D: usize> CellConnections<'a, D> {
         let links = self.parts.inside(cell).iter();
         let mut links: Vec<Connection> = links.filter_map(|link| connection(support, link, places(link))).collect();
         links.sort_unstable_by_key(|(growth, _)| *growth);
-        let own = |&triangle: &u32| if self.is_terminal[triangle as usize] { triangle } else { NONE };
+        let own = |&triangle: &u32| if self.parts.is_terminal(triangle as usize) { triangle } else { NONE };
         let mut terminal_of: Vec<u32> = triangles.iter().map(own).collect();
         let mut components = DisjointSets::of(triangles.len());
         let mut tree = Vec::new();

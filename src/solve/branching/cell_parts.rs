@@ -26,9 +26,9 @@ pub(super) struct CellParts<const D: usize> {
     first_of_cell: Vec<u32>,
     /// First triangle of each part, #parts.
     first_triangles: Vec<u32>,
-    /// Triangles that are connected beyond the cell, each with its part, #cells: those with cuts in several cells, and ends of links that
-    /// are not inside the cell.
-    terminals: Vec<Vec<[u32; 2]>>,
+    /// Whether a triangle is connected beyond a cell, #triangles: it has cuts in several cells, or is the end of a link that is not inside
+    /// a cell.
+    is_terminal: Vec<bool>,
     /// Links inside each cell, #cells.
     inside: Vec<Vec<PlacedLink<D>>>,
     /// All other links, at the cells that they lead from or through, #cells.
@@ -106,7 +106,8 @@ impl<const D: usize> CellParts<D> {
         }
         let mut parts = Self::numbered(grid.cell_count(), cuts, sets, first_cuts);
         (parts.inside, parts.between, parts.on_borders) = (inside, between, on_borders);
-        parts.add_terminals(cuts, &is_terminal);
+        parts.is_terminal = is_terminal;
+        parts.add_wide_triangles(cuts);
         let mut pairs: Vec<[u32; 2]> = across.into_iter().map(|pair| pair.map(|cut| parts.of_cuts[cut])).collect();
         for own in (0..triangle_count).filter_map(|triangle| parts.parts_of(triangle)) {
             if own.len() <= PAIRED_CELLS {
@@ -144,7 +145,7 @@ impl<const D: usize> CellParts<D> {
             of_cuts: (0..cuts.len()).map(|cut| part_of_root[sets.root(cut)]).collect(),
             first_of_cell,
             first_triangles,
-            terminals: vec![Vec::new(); cell_count],
+            is_terminal: Vec::new(),
             inside: Vec::new(),
             between: Vec::new(),
             across: vec![Vec::new(); cell_count],
@@ -154,22 +155,20 @@ impl<const D: usize> CellParts<D> {
         }
     }
 
-    /// Notes the triangles that are connected beyond their cell.
-    fn add_terminals(&mut self, cuts: &[Cut<D>], is_terminal: &[bool]) {
+    /// Notes the triangles in several cells.
+    fn add_wide_triangles(&mut self, cuts: &[Cut<D>]) {
         for (cut, &part) in cuts.iter().zip(&self.of_cuts) {
             let count = (self.first_cuts[cut.triangle + 1] - self.first_cuts[cut.triangle]) as usize;
-            if count > 1 || is_terminal[cut.triangle] {
-                self.terminals[cut.cell].push([cut.triangle as u32, part]);
-            }
+            self.is_terminal[cut.triangle] |= count > 1;
             if count > PAIRED_CELLS {
                 self.wide[cut.cell].push([cut.triangle as u32, part]);
             }
         }
     }
 
-    /// Triangles of a cell that are connected beyond it, each with its part.
-    pub(super) fn terminals(&self, cell: usize) -> &[[u32; 2]] {
-        &self.terminals[cell]
+    /// Whether a triangle is connected beyond a cell.
+    pub(super) fn is_terminal(&self, triangle: usize) -> bool {
+        self.is_terminal[triangle]
     }
 
     /// Links inside a cell.

@@ -11,6 +11,7 @@ use super::support_box::{SupportBox, cells_between};
 use super::tie_nodes::{Role, TieNodes};
 use crate::lattice::Grid;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// Two copies of one handle whose pieces become connected when the support of the handle grows.
 #[derive(Clone, Copy, Debug)]
@@ -119,14 +120,20 @@ impl<const D: usize> Finder<'_, D> {
         if copies.handles.len() > first + 1 {
             let copy_of = |(&part, &root): (&u32, &usize)| (part, copy_of_root[root]);
             let copy_of_part: Vec<(u32, usize)> = inside.parts.iter().zip(&inside.roots).map(copy_of).collect();
-            copies.ties.extend(self.ties(support, &cells, &copy_of_part));
+            copies.ties.extend(self.ties(support, &cells, (first..copies.handles.len(), &copy_of_part)));
         }
     }
 
     /// Ties between all pairs of copies of a handle, with the growth at which their pieces become connected (Kruskal's algorithm:
     /// the spanning tree contains the paths that need the least growth). The edges of the tree alone would change from frame to
-    /// frame where two growths are equal. `copy_of_part`: the copy of each part in the support, ascending.
-    fn ties(&mut self, support: &SupportBox<D>, inside: &[usize], copy_of_part: &[(u32, usize)]) -> Vec<Tie> {
+    /// frame where two growths are equal. `copies`: those of the handle, with the copy of each part in the
+    /// support.
+    fn ties(
+        &mut self,
+        support: &SupportBox<D>,
+        inside: &[usize],
+        (copies, copy_of_part): (Range<usize>, &[(u32, usize)]),
+    ) -> Vec<Tie> {
         let cells = cells_between(self.grid, support.grown(self.grid));
         // Copies in different components stay apart up to a growth of one.
         let around = self.components.components(&cells, |_| true);
@@ -141,10 +148,7 @@ impl<const D: usize> Finder<'_, D> {
         let is_tied = |root: &usize| copies_of_root.get(root).is_some_and(|copies| copies.len() > 1);
         let tied = around.parts.iter().zip(&around.roots).filter(|(_, root)| is_tied(root));
         tied.for_each(|(&part, _)| self.nodes.set_role(part, Role::Beside));
-        let mut copies: Vec<usize> = copy_of_part.iter().map(|(_, copy)| *copy).collect();
-        copies.sort_unstable();
-        copies.dedup();
-        let number = |copy: usize| Role::Copy((copy - copies[0]) as u32);
+        let number = |copy: usize| Role::Copy((copy - copies.start) as u32);
         copy_of_part.iter().for_each(|&(part, copy)| self.nodes.set_role(part, number(copy)));
         self.nodes.start_with(copies.len());
         let mut links = Vec::new();
@@ -163,8 +167,7 @@ impl<const D: usize> Finder<'_, D> {
         }
         links.sort_unstable_by_key(|(growth, _)| *growth);
         let mut pieces = DisjointSets::of(self.nodes.count());
-        let mut copies_of_piece: BTreeMap<usize, Vec<usize>> =
-            copies.iter().map(|&copy| vec![copy]).enumerate().collect();
+        let mut copies_of_piece: BTreeMap<usize, Vec<usize>> = copies.map(|copy| vec![copy]).enumerate().collect();
         let mut ties = Vec::new();
         for (growth, pair) in links {
             let [a, b] = pair.map(|node| pieces.root(node as usize));

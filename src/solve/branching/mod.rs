@@ -213,14 +213,8 @@ impl<const D: usize> Branching<D> {
             });
             outside.fold(0.0, f64::max)
         };
-        let mut nearest = (f64::INFINITY, 0);
-        for (place, cut) in cuts.iter().enumerate() {
-            let gap = gap(cut);
-            if gap < nearest.0 {
-                nearest = (gap, place);
-            }
-        }
-        self.pieces.of_cuts[first + nearest.1]
+        let nearest = (0..cuts.len()).min_by(|&a, &b| gap(&cuts[a]).total_cmp(&gap(&cuts[b])));
+        self.pieces.of_cuts[first + nearest.unwrap_or(0)]
     }
 
     /// The point of the shape that is nearest to a point, and its piece.

@@ -145,8 +145,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         for pair in self.knots.windows(2).skip(first) {
             let (weight, limit) = match pair {
                 [Some(knot), Some(next)] if knot.take == next.take => {
-                    let is_branching = [knot, next].iter().any(|knot| knot.system.has_branches());
-                    let factor = if is_branching { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
+                    let factor = if have_branches([knot, next]) { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
                     (self.weight, factor * knot.motion(next) + self.coupling.least_speed / per_frame)
                 }
                 _ => (0.0, f64::INFINITY),
@@ -354,10 +353,9 @@ impl<'a, const D: usize> Chain<'a, D> {
             let is_convex = is_convex_at[index]
                 && is_convex_at[index + 1]
                 && knot.is_convex_halfway(next, CONVEX_FACTOR * weights[index]);
-            let is_branching = [knot, next].iter().any(|knot| knot.system.has_branches());
             match (is_convex, is_steady(knots, index, least_speed)) {
                 (true, true) => Interior::Coupled,
-                _ if !is_searched || is_branching => Interior::Interpolated,
+                _ if !is_searched || have_branches([knot, next]) => Interior::Interpolated,
                 (false, _) => Interior::LIKELY_JUMP,
                 (true, false) => Interior::UNLIKELY_JUMP,
             }
@@ -424,6 +422,11 @@ pub(crate) struct SettledInterval {
 /// The knot before, unless a gap or a cut lies between.
 fn in_take<'a, const D: usize>(before: Option<&'a Option<Knot<D>>>, knot: Option<&Knot<D>>) -> Option<&'a Knot<D>> {
     before?.as_ref().filter(|before| knot.is_some_and(|knot| knot.take == before.take))
+}
+
+/// Whether the lattice branches at one of two knots.
+fn have_branches<const D: usize>(knots: [&Knot<D>; 2]) -> bool {
+    knots.iter().any(|knot| knot.system.has_branches())
 }
 
 /// Whether the speed hardly changes at both ends of an interval.

@@ -11,9 +11,6 @@ use crate::shot::{ColorChannel, PaintedMask, Selection, Shot};
 use crate::spelling;
 use std::collections::BTreeSet;
 
-/// Relative difference below which the aspect ratios of two pictures count as equal.
-const SAME_SHAPE: f64 = 0.01;
-
 /// A layer's selection, resolved to indices.
 #[derive(Debug)]
 pub(super) struct Rules {
@@ -215,13 +212,12 @@ impl Search<'_> {
 
     /// Checks that a mask has the shape of the texture on the same UVs, because both cover the same unit square.
     fn check_shape(&self, map: &PaintedMap, set: usize) -> Result<(), PipelineError> {
-        let shape = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height.max(1));
         for part in self.own() {
             let material = &self.scene.materials[primitive(self.scene, part).material];
             let Some(texture) = material.base_color_texture.filter(|texture| texture.uv_set == set) else { continue };
             let image = &self.scene.images[self.scene.textures[texture.texture].image];
             let size = [image.width, image.height];
-            if (shape(map.size) / shape(size) - 1.0).abs() <= SAME_SHAPE {
+            if map.has_shape_of(size) {
                 continue;
             }
             let [[width, height], [w, h]] = [map.size, size];
