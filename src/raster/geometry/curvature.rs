@@ -3,7 +3,7 @@
 //! In: a lattice. Out: an upper estimate of the second derivative of its warp over any square of the screen.
 
 use crate::lattice::{Grid, ScreenLattice};
-use crate::solve::BranchedLattice;
+use crate::solve::Bending;
 use crate::space::ScreenPoint;
 use glam::{DMat2, DVec2};
 
@@ -13,18 +13,25 @@ pub(super) const TOLERANCE: f64 = 5e-5;
 /// Minimum length of split edges, however strong the warp: a pixel at 1000 lines. It bounds the number of pieces.
 pub(super) const MIN_LENGTH: f64 = 1e-3;
 
-/// The maximum second derivative in each cell of a regular table over the lattice box, and in 2x2 blocks of cells, and
-/// so on up to one block.
+/// The maximum second derivative in each cell of a regular table over the lattice box, and in blocks of 2x2 cells, and so on up to
+/// one block.
 pub(super) struct Curvature {
     /// The grid, whose box may be rotated; `lo` and `size` are those of the box before its rotation.
     grid: Grid<2>,
     lo: DVec2,
     size: DVec2,
-    /// `levels[l]` holds blocks of 2^l cells a side; `side >> l` of them, rows from below.
-    levels: Vec<Vec<f64>>,
-    side: usize,
+    /// `levels[l]` holds blocks of 2^l cells a side.
+    levels: Vec<Level>,
     /// Maximum jump of the gradient across the border of the box.
     kink: f64,
+}
+
+/// The maxima over equal blocks of cells.
+struct Level {
+    /// Rows from below.
+    blocks: Vec<f64>,
+    /// Number of blocks along each axis.
+    counts: [usize; 2],
 }
 
 impl Curvature {
@@ -50,44 +57,14 @@ impl Curvature {
             .collect();
         let border = (0..=side).flat_map(|k| [(0, k), (side, k), (k, 0), (k, side)]);
         let kink = border.map(|(i, j)| change(gradients[j][i], DMat2::IDENTITY)).fold(0.0, f64::max);
-        Self { grid: lattice.grid.clone(), lo, size, levels: pyramid(cells, side), side, kink }
+        Self { grid: lattice.grid.clone(), lo, size, levels: pyramid(cells, [side; 2]), kink }
     }
 
-    /// Computes the curvature of one branch of a lattice: 0 where the branch does not contain the shape.
-    pub(super) fn of_branch(branches: &BranchedLattice<2>, branch: usize) -> Self {
-        let (grid, bending) = (branches.grid(), &branches.bending()[branch]);
-        let side = (2 * grid.dims[0].max(grid.dims[1])).next_power_of_two().clamp(16, 128);
-        let spans = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]));
-        // The cells of the lattice grid that overlap a cell of the table.
-        let overlapped = |axis: usize, k: usize| k * spans[axis] / side..=((k + 1) * spans[axis] - 1) / side;
-        let cells = (0..side * side).map(|cell| {
-            let [columns, rows] = [overlapped(0, cell % side), overlapped(1, cell / side)];
-            let within = rows.flat_map(|j| columns.clone().map(move |i| i + spans[0] * j));
-            within.map(|cell| bending.cells[cell]).fold(0.0, f64::max)
-        });
+    /// The curvature of one branch of a lattice: 0 where the branch does not contain the shape.
+    pub(super) fn of_branch(grid: &Grid<2>, bending: &Bending) -> Self {
         let (lo, size) = corner_and_size(grid);
-        Self {
-            grid: grid.clone(),
-            lo,
-            size,
-            levels: pyramid(cells.collect(), side),
-            side,
-            kink: bending.strain_at_border,
-        }
-    }
-
-    /// Computes the greatest curvature of several branches of one lattice; `None` if there are none.
-    pub(super) fn greatest_of(branches: &[Self]) -> Option<Self> {
-        let first = branches.first()?;
-        let greatest =
-            |level: usize, block: usize| branches.iter().map(|branch| branch.levels[level][block]).fold(0.0, f64::max);
-        let level = |level: usize| (0..first.levels[level].len()).map(|block| greatest(level, block)).collect();
-        Some(Self {
-            grid: first.grid.clone(),
-            levels: (0..first.levels.len()).map(level).collect(),
-            kink: branches.iter().map(|branch| branch.kink).fold(0.0, f64::max),
-            ..*first
-        })
+        let levels = pyramid(bending.cells.clone(), bending.counts);
+        Self { grid: grid.clone(), lo, size, levels, kink: bending.strain_at_border }
     }
 
     /// Returns whether the warp of the edge from `a` to `b` needs more than a straight line. Symmetric in its ends.
@@ -113,21 +90,20 @@ impl Curvature {
 
     /// Returns the maximum second derivative in the square around `center`.
     fn greatest(&self, center: DVec2, half: f64) -> f64 {
-        let cells = self.side as f64 / self.size;
+        let last = DVec2::from(self.levels[0].counts.map(|count| count as f64));
+        let cells = last / self.size;
         let low = (center - half - self.lo) * cells;
         let high = (center + half - self.lo) * cells;
-        let last = self.side as f64;
-        if high.cmplt(DVec2::ZERO).any() || low.cmpgt(DVec2::splat(last)).any() {
+        if high.cmplt(DVec2::ZERO).any() || low.cmpgt(last).any() {
             return 0.0;
         }
-        let first = low.clamp(DVec2::ZERO, DVec2::splat(last - 1.0)).as_usizevec2();
-        let end = high.clamp(DVec2::ZERO, DVec2::splat(last - 1.0)).as_usizevec2();
+        let first = low.clamp(DVec2::ZERO, last - 1.0).as_usizevec2();
+        let end = high.clamp(DVec2::ZERO, last - 1.0).as_usizevec2();
         let span = (end - first).max_element() + 1;
         let level = (span.next_power_of_two().trailing_zeros() as usize).min(self.levels.len() - 1);
-        let width = self.side >> level;
+        let Level { blocks, counts: [columns, _] } = &self.levels[level];
         let rows = first.y >> level..=end.y >> level;
-        rows.flat_map(|j| (first.x >> level..=end.x >> level).map(move |i| self.levels[level][i + width * j]))
-            .fold(0.0, f64::max)
+        rows.flat_map(|j| (first.x >> level..=end.x >> level).map(move |i| blocks[i + columns * j])).fold(0.0, f64::max)
     }
 }
 
@@ -144,19 +120,21 @@ fn change(a: DMat2, b: DMat2) -> f64 {
 }
 
 /// Returns the maxima over blocks of 1, 2, 4, ... cells a side.
-fn pyramid(cells: Vec<f64>, side: usize) -> Vec<Vec<f64>> {
-    let mut levels = vec![cells];
-    let mut width = side;
-    while width > 1 {
-        let below = &levels[levels.len() - 1];
+fn pyramid(cells: Vec<f64>, counts: [usize; 2]) -> Vec<Level> {
+    let mut levels = vec![Level { blocks: cells, counts }];
+    loop {
+        let Level { blocks: below, counts } = &levels[levels.len() - 1];
+        if counts.iter().all(|&count| count <= 1) {
+            return levels;
+        }
+        let halves = counts.map(|count| count.div_ceil(2));
         let block = |k: usize| {
-            let (i, j) = (2 * (k % (width / 2)), 2 * (k / (width / 2)));
-            let at = |di: usize, dj: usize| below[i + di + width * (j + dj)];
-            at(0, 0).max(at(1, 0)).max(at(0, 1)).max(at(1, 1))
+            let [columns, rows] = [(k % halves[0], counts[0]), (k / halves[0], counts[1])]
+                .map(|(block, count)| 2 * block..(2 * block + 2).min(count));
+            let within = rows.flat_map(|j| columns.clone().map(move |i| below[i + counts[0] * j]));
+            within.fold(0.0, f64::max)
         };
-        let level = (0..(width / 2) * (width / 2)).map(block).collect();
-        width /= 2;
+        let level = Level { blocks: (0..halves[0] * halves[1]).map(block).collect(), counts: halves };
         levels.push(level);
     }
-    levels
 }

@@ -3,7 +3,8 @@
 //! In: vertices and polylines. Out: raster vertices, two per point of the line, and two triangles per segment. Points
 //! are warped, the width is not; depth and motion are those of the line itself.
 
-use super::part_warp::{EdgeBends, PartPoint};
+use super::edge_bends::EdgeBends;
+use super::part_warp::PartPoint;
 use super::vertex::{ClipVertex, VertexList};
 use crate::raster::RasterVertex;
 use crate::screen::Camera;

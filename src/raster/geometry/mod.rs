@@ -6,6 +6,7 @@
 
 mod assembly;
 mod curvature;
+mod edge_bends;
 mod lines;
 mod part_warp;
 mod sort;
@@ -20,9 +21,9 @@ use super::{Draw, Geometry, RasterVertex};
 use crate::scene::{AlphaMode, Primitive};
 use crate::screen::{Camera, primitive};
 use assembly::BuiltPart;
+use edge_bends::{EdgeBends, LatticeCurvatures};
 use glam::DVec2;
 use lines::LineClipper;
-use part_warp::EdgeBends;
 use rayon::prelude::*;
 use split::Splitter;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,9 +47,15 @@ pub fn assemble(assembly: &Assembly) -> Geometry {
 pub(crate) fn assemble_keeping(assembly: &Assembly, kept: &KeptParts, is_cancelled: &IsCancelled) -> Option<Geometry> {
     let camera = assembly.now.camera;
     let range = DepthRange::of(assembly.now.pose, camera);
+    let warps = assembly.split_for.unwrap_or(assembly.now.warps);
+    let is_built = |part: &usize| !matches!(kept.parts.get(*part), Some(Some(part)) if part.get().is_some());
+    let curvatures = LatticeCurvatures::of((0..warps.len()).filter(is_built).map(|part| &warps[part]));
+    let build = |part: usize, is_cancelled: &IsCancelled| {
+        build(assembly, part, (range, &curvatures.edge_bends(&warps[part])), is_cancelled)
+    };
     let built = |part: usize| match kept.parts.get(part) {
-        Some(Some(kept)) => kept.get_or_init(|| build(assembly, part, range, &|| false)).clone(),
-        _ => build(assembly, part, range, is_cancelled),
+        Some(Some(kept)) => kept.get_or_init(|| build(part, &|| false)).clone(),
+        _ => build(part, is_cancelled),
     };
     let parts: Vec<BuiltPart> = (0..assembly.now.pose.parts.len()).into_par_iter().map(built).collect();
     if is_cancelled() {
@@ -66,12 +73,16 @@ pub(crate) fn assemble_keeping(assembly: &Assembly, kept: &KeptParts, is_cancell
 }
 
 /// Projects, clips, splits and warps one part; what is left out once it is cancelled is not seen.
-fn build(assembly: &Assembly, part: usize, range: DepthRange, is_cancelled: &IsCancelled) -> BuiltPart {
+fn build(
+    assembly: &Assembly,
+    part: usize,
+    (range, bends): (DepthRange, &EdgeBends),
+    is_cancelled: &IsCancelled,
+) -> BuiltPart {
     let Assembly { scene, now, neighbours, .. } = *assembly;
     let posed = &now.pose.parts[part];
     let source = primitive(scene, posed);
     let (warp, rest) = (&now.warps[part], PartWarp::Rest);
-    let bends = EdgeBends::of(assembly.split_for.map_or(warp, |warps| &warps[part]));
     let beside = |side: usize| neighbours.map_or(&rest, |neighbours| &neighbours[side].warps[part]);
     let warps = [warp, beside(0), beside(1)];
     let warped = |vertex: &ClipVertex, on: PartPoint| vertex.warped(warps, on, range);
@@ -79,10 +90,10 @@ fn build(assembly: &Assembly, part: usize, range: DepthRange, is_cancelled: &IsC
     let list = VertexList::new(assembly, part);
     let submeshes = &assembly.submeshes[part];
     let (vertices, triangles, ends) = if source.lines.is_empty() {
-        let splitter = Splitter::new(list, source.triangles.len(), &bends);
+        let splitter = Splitter::new(list, source.triangles.len(), bends);
         faces(source, splitter, (now, part, submeshes), warped, is_cancelled)
     } else {
-        let clipper = LineClipper { vertices: &list, near: now.camera.near(), bends: &bends };
+        let clipper = LineClipper { vertices: &list, near: now.camera.near(), bends };
         let warped = |vertex: &ClipVertex| warped(vertex, PartPoint { weights: &[], triangle: 0 });
         let (vertices, triangles) = ribbons(source, &clipper, (now.camera, assembly.line_width), warped);
         let end = triangles.len();

@@ -1,8 +1,7 @@
 //! The screen-space warp of a part: none, one lattice, one with branches, or several blended by vertex weights.
 //!
-//! In: lattices, weights. Out: warped points, and the edges that need more than a straight line.
+//! In: lattices, weights. Out: warped points.
 
-use super::curvature::{Curvature, MIN_LENGTH, TOLERANCE};
 use crate::lattice::ScreenLattice;
 use crate::solve::BranchedLattice;
 use crate::space::ScreenPoint;
@@ -106,38 +105,13 @@ impl PartWarp<'_> {
         }
     }
 
-    fn layers(&self) -> &[Self] {
+    /// Returns the warps of a blend, or the warp itself; none at rest.
+    pub(super) fn layers(&self) -> &[Self] {
         match self {
             Self::Rest => &[],
             Self::Lattice(_) | Self::Branches(_) => std::slice::from_ref(self),
             Self::Blend(blend) => &blend.layers,
         }
-    }
-
-    /// Returns the curvature of the layer; empty at rest, and for blends, whose layers have tables of their own.
-    fn curvature(&self) -> LayerCurvature {
-        match self {
-            Self::Rest | Self::Blend(_) => LayerCurvature { greatest: None, branches: Vec::new() },
-            Self::Lattice(lattice) => LayerCurvature { greatest: Some(Curvature::of(lattice)), branches: Vec::new() },
-            Self::Branches(BranchWarp { branches, .. }) => {
-                let of_branch = |branch: usize| Curvature::of_branch(branches, branch);
-                let branches: Vec<Curvature> = (0..branches.branch_count()).map(of_branch).collect();
-                LayerCurvature { greatest: Curvature::greatest_of(&branches), branches }
-            }
-        }
-    }
-
-    /// Returns whether the warp of the edge between two points needs more than a straight line, by the curvature of the branches at
-    /// its ends.
-    fn bends(&self, curvature: &LayerCurvature, ends: [DVec2; 2], on: [PartPoint; 2]) -> bool {
-        // Most edges stay straight under the greatest curvature, so their branches need not be found.
-        if !curvature.greatest.as_ref().is_some_and(|greatest| greatest.bends(ends)) {
-            return false;
-        }
-        let Self::Branches(warp) = self else { return true };
-        let [from, to] = [0, 1].map(|end| warp.branch(ScreenPoint(ends[end]), on[end].triangle as usize));
-        let is_bent = |branch: Option<usize>| branch.is_some_and(|branch| curvature.branches[branch].bends(ends));
-        is_bent(from) || from != to && is_bent(to)
     }
 }
 
@@ -149,7 +123,7 @@ impl BranchWarp<'_> {
     }
 
     /// Returns the branch at a point of a triangle of the part; `None` if the triangle is completely clipped.
-    fn branch(&self, point: ScreenPoint, triangle: usize) -> Option<usize> {
+    pub(super) fn branch(&self, point: ScreenPoint, triangle: usize) -> Option<usize> {
         Some(self.branches.branch_within(self.triangles(triangle)?, point.0.to_array()))
     }
 
@@ -157,50 +131,5 @@ impl BranchWarp<'_> {
     fn triangles(&self, triangle: usize) -> Option<Range<usize>> {
         let [start, end] = [triangle, triangle + 1].map(|k| self.starts.get(k).map_or(0, |&start| start as usize));
         (start < end).then_some(start..end)
-    }
-}
-
-/// The curvature of a layer.
-struct LayerCurvature {
-    /// That of the lattice, or the greatest of all its branches; `None` at rest.
-    greatest: Option<Curvature>,
-    /// That of each branch; empty for plain lattices.
-    branches: Vec<Curvature>,
-}
-
-/// Determines which edges of a part need more than a straight line.
-pub(super) struct EdgeBends<'a> {
-    /// The layers with their curvature.
-    layers: Vec<(&'a PartWarp<'a>, LayerCurvature)>,
-}
-
-impl<'a> EdgeBends<'a> {
-    pub(super) fn of(warp: &'a PartWarp<'a>) -> Self {
-        Self { layers: warp.layers().iter().map(|layer| (layer, layer.curvature())).collect() }
-    }
-
-    /// Returns whether the warp of the edge between two points needs more than a straight line. Symmetric in its ends;
-    /// lattices with zero weight at both are ignored, so that parts that share the edge agree.
-    pub(super) fn bends(&self, [a, b]: [DVec2; 2], on: [PartPoint; 2]) -> bool {
-        let [from, to] = on.map(|point| point.weights);
-        if from.is_empty() {
-            return self.layers.iter().any(|(layer, curvature)| layer.bends(curvature, [a, b], on));
-        }
-        let acting = self.layers.iter().zip(from.iter().zip(to));
-        let mut strays = DVec2::ZERO;
-        for ((layer, curvature), (&from, &to)) in acting {
-            if from <= 0.0 && to <= 0.0 || layer.is_rest() {
-                continue;
-            }
-            if layer.bends(curvature, [a, b], on) {
-                return true;
-            }
-            if from != to {
-                let by = |point: DVec2, on: PartPoint| layer.warp(ScreenPoint(point), on).0 - point;
-                strays += (by(b, on[1]) - by(a, on[0])) * f64::from(to - from);
-            }
-        }
-        // The product of two linear functions deviates from its chord by a quarter of the product of their changes.
-        a.distance(b) >= MIN_LENGTH && strays.length() / 4.0 > TOLERANCE
     }
 }

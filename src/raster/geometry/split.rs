@@ -3,7 +3,7 @@
 //! In: the vertices and triangles of a part. Out: the refined vertices and triangles. Whether and where an edge is
 //! split depends on the edge alone, so the triangles on both sides agree, also across seams with duplicated vertices.
 
-use super::part_warp::EdgeBends;
+use super::edge_bends::EdgeBends;
 use super::vertex::VertexList;
 use crate::scene::Primitive;
 use crate::screen::{Corner, clip_near};

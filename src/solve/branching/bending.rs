@@ -7,9 +7,10 @@ use super::{Branching, handles_of_cell};
 use crate::lattice::{Grid, Lattice};
 use crate::solve::linalg::small_matrix::squared_distance;
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Number of samples along each side of the box of a piece.
-const SAMPLES: usize = 3;
+/// Number of table cells along a span of the grid, and of blocks along each side of the bounds of a piece.
+const CELLS_PER_SPAN: usize = 2;
 
 const IDENTITY: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
@@ -19,8 +20,11 @@ const MIN_EXTENT: f64 = 1e-4;
 /// How strongly a branch bends.
 #[derive(Clone, Debug)]
 pub(crate) struct Bending {
-    /// An estimate of the greatest norm of the second derivative in each cell, #cells; 0 where the branch has no part of the shape.
+    /// An estimate of the greatest norm of the second derivative in each cell of a table over the box, x fastest; 0 where the branch
+    /// has no part of the shape.
     pub(crate) cells: Vec<f64>,
+    /// Number of cells of the table along each axis.
+    pub(crate) counts: [usize; 2],
     /// The greatest Frobenius norm of gradient minus identity at the centres of the branch's cells along the border of the box.
     pub(crate) strain_at_border: f64,
 }
@@ -55,22 +59,52 @@ fn bounds_of_pieces(branching: &Branching<2>) -> Vec<[[f64; 2]; 2]> {
 fn bending_of(branching: &Branching<2>, (branch, lattice): (usize, &Lattice<2>), bounds: &[[[f64; 2]; 2]]) -> Bending {
     let grid = &branching.grid;
     let is_smooth = branching.width > 2;
-    let last = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]) - 1);
-    let mut bending = Bending { cells: vec![0.0; grid.cell_count()], strain_at_border: 0.0 };
+    let spans = [0, 1].map(|axis| grid.basis.spans(grid.dims[axis]));
+    let counts = spans.map(|spans| spans * CELLS_PER_SPAN);
+    let mut bending = Bending { cells: vec![0.0; counts[0] * counts[1]], counts, strain_at_border: 0.0 };
     let own = branching.pieces.list.iter().zip(bounds).zip(&branching.branch_of);
     for ((piece, bounds), _) in own.filter(|(_, of)| **of == branch) {
-        let acts = |handle: usize| branching.branches[branch][handle].is_some();
-        let handles = || handles_of_cell(grid, branching.width, piece.cell);
-        let own = if is_smooth { second_derivative(lattice, bounds) } else { kink(lattice, &handles(), acts) };
-        bending.cells[piece.cell] = bending.cells[piece.cell].max(own);
         let place = grid.cell_coords(piece.cell);
-        if (0..2).any(|axis| place[axis] == 0 || place[axis] == last[axis]) {
+        if is_smooth {
+            let within = |axis: usize, block: usize| block_cells(bounds, place, (axis, block));
+            for (block, bent) in second_derivatives(lattice, bounds).into_iter().enumerate() {
+                let [i, j] = [block % CELLS_PER_SPAN, block / CELLS_PER_SPAN];
+                bending.raise([within(0, i), within(1, j)], bent);
+            }
+        } else {
+            let acts = |handle: usize| branching.branches[branch][handle].is_some();
+            let bent = kink(lattice, &handles_of_cell(grid, branching.width, piece.cell), acts);
+            bending.raise(place.map(|place| place * CELLS_PER_SPAN..(place + 1) * CELLS_PER_SPAN), bent);
+        }
+        if (0..2).any(|axis| place[axis] == 0 || place[axis] + 1 == spans[axis]) {
             let gradient = gradient(lattice, place.map(|place| place as f64 + 0.5));
             let strain = squared_distance(&gradient, &IDENTITY).sqrt();
             bending.strain_at_border = bending.strain_at_border.max(strain);
         }
     }
     bending
+}
+
+impl Bending {
+    /// Raises the cells in these columns and rows to at least a value.
+    fn raise(&mut self, [columns, rows]: [Range<usize>; 2], least: f64) {
+        for row in rows {
+            let cells = &mut self.cells[row * self.counts[0]..][columns.clone()];
+            cells.iter_mut().for_each(|cell| *cell = cell.max(least));
+        }
+    }
+}
+
+/// The table cells, along an axis, that overlap a block of the bounds of a piece and lie in its cell of the grid.
+fn block_cells([low, high]: &[[f64; 2]; 2], place: [usize; 2], (axis, block): (usize, usize)) -> Range<usize> {
+    let ends = [block, block + 1].map(|end| {
+        let spans = low[axis] + (high[axis] - low[axis]) * end as f64 / CELLS_PER_SPAN as f64;
+        (spans - place[axis] as f64) * CELLS_PER_SPAN as f64
+    });
+    let first = (ends[0] as usize).min(CELLS_PER_SPAN - 1);
+    let end = (ends[1].ceil() as usize).clamp(first + 1, CELLS_PER_SPAN);
+    let origin = place[axis] * CELLS_PER_SPAN;
+    origin + first..origin + end
 }
 
 /// The largest second difference, over the squared spacing, that begins at one of these handles: a bilinear lattice has kinks at the
@@ -94,21 +128,24 @@ fn kink(lattice: &Lattice<2>, handles: &[usize], acts: impl Fn(usize) -> bool) -
     greatest
 }
 
-/// The greatest change of the gradient between neighbouring samples within bounds, over their distance.
-fn second_derivative(lattice: &Lattice<2>, [low, high]: &[[f64; 2]; 2]) -> f64 {
-    let steps = [0, 1].map(|axis| (high[axis] - low[axis]) / (SAMPLES - 1) as f64);
-    let sample = |i: usize, j: usize| gradient(lattice, [low[0] + i as f64 * steps[0], low[1] + j as f64 * steps[1]]);
-    let gradients: [[[[f64; 2]; 2]; SAMPLES]; SAMPLES] = std::array::from_fn(|i| std::array::from_fn(|j| sample(i, j)));
-    let mut greatest = 0.0_f64;
-    for axis in (0..2).filter(|&axis| steps[axis] > MIN_EXTENT) {
-        let length = steps[axis] * lattice.grid.spacing(axis);
-        for (k, l) in (1..SAMPLES).flat_map(|k| (0..SAMPLES).map(move |l| (k, l))) {
-            let [from, to] = if axis == 0 { [[k - 1, l], [k, l]] } else { [[l, k - 1], [l, k]] };
-            let change = squared_distance(&gradients[from[0]][from[1]], &gradients[to[0]][to[1]]).sqrt();
-            greatest = greatest.max(change / length);
+/// The greatest change of the gradient along the sides of each block of a piece's bounds, over its length; blocks in rows.
+fn second_derivatives(lattice: &Lattice<2>, [low, high]: &[[f64; 2]; 2]) -> [f64; CELLS_PER_SPAN * CELLS_PER_SPAN] {
+    const SIDE: usize = CELLS_PER_SPAN + 1;
+    let steps = [0, 1].map(|axis| (high[axis] - low[axis]) / CELLS_PER_SPAN as f64);
+    let place = |k: usize| [low[0] + (k % SIDE) as f64 * steps[0], low[1] + (k / SIDE) as f64 * steps[1]];
+    let gradients: [[[f64; 2]; 2]; SIDE * SIDE] = std::array::from_fn(|k| gradient(lattice, place(k)));
+    let change = |from: usize, axis: usize| {
+        let to = from + [1, SIDE][axis];
+        if steps[axis] <= MIN_EXTENT {
+            return 0.0;
         }
-    }
-    greatest
+        squared_distance(&gradients[from], &gradients[to]).sqrt() / (steps[axis] * lattice.grid.spacing(axis))
+    };
+    std::array::from_fn(|block| {
+        let corner = block % CELLS_PER_SPAN + SIDE * (block / CELLS_PER_SPAN);
+        let across = change(corner, 0).max(change(corner + SIDE, 0));
+        across.max(change(corner, 1)).max(change(corner + 1, 1))
+    })
 }
 
 /// The gradient of a lattice at a place in spans.

@@ -11,7 +11,7 @@ use crate::solve::problem::{PointPin, Shape};
 use crate::solve::upright::Upright;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// A solved lattice with branches, in the order of their largest pieces, from the largest one down.
 #[derive(Clone, Debug)]
@@ -19,8 +19,6 @@ pub struct BranchedLattice<const D: usize> {
     pub(super) branching: Arc<Branching<D>>,
     /// Positions of the copies.
     copies: Vec<[f64; D]>,
-    /// How strongly each branch bends, once it was needed.
-    bending: OnceLock<Vec<Bending>>,
 }
 
 impl<const D: usize> PartialEq for BranchedLattice<D> {
@@ -34,7 +32,7 @@ impl<const D: usize> PartialEq for BranchedLattice<D> {
 
 impl<const D: usize> BranchedLattice<D> {
     pub(crate) fn new(branching: &Arc<Branching<D>>, copies: Vec<[f64; D]>) -> Self {
-        Self { branching: Arc::clone(branching), copies, bending: OnceLock::new() }
+        Self { branching: Arc::clone(branching), copies }
     }
 
     /// The lattice at rest over a shape.
@@ -138,7 +136,7 @@ impl<const D: usize> BranchedLattice<D> {
     #[must_use]
     pub fn branch_at(&self, triangle: usize, point: [f64; D]) -> usize {
         assert!(triangle < self.branching.triangles.len(), "the shape has no triangle {triangle}");
-        self.branching.branch_of(self.branching.piece_at(triangle..triangle + 1, &point))
+        self.branching.branch_at(triangle..triangle + 1, &point)
     }
 
     /// The lattice of a branch. Handles that do not act on the branch are at rest.
@@ -220,7 +218,7 @@ impl<const D: usize> BranchedLattice<D> {
     #[must_use]
     pub(crate) fn branch_within(&self, triangles: Range<usize>, point: [f64; D]) -> usize {
         assert!(triangles.start < triangles.end && triangles.end <= self.branching.triangles.len(), "{triangles:?}");
-        self.branching.branch_of(self.branching.piece_at(triangles, &point))
+        self.branching.branch_at(triangles, &point)
     }
 
     /// The image of a point on one of a range of triangles of the shape. A point outside the box has the displacement of the
@@ -301,9 +299,9 @@ impl<const D: usize> BranchedLattice<D> {
 }
 
 impl BranchedLattice<2> {
-    /// How strongly each branch bends; computed when it is first needed.
+    /// How strongly each branch bends.
     #[must_use]
-    pub(crate) fn bending(&self) -> &[Bending] {
-        self.bending.get_or_init(|| bending(&self.branching, |branch| self.lattice(branch)))
+    pub(crate) fn bending(&self) -> Vec<Bending> {
+        bending(&self.branching, |branch| self.lattice(branch))
     }
 }

@@ -30,6 +30,7 @@ mod support_box;
 mod terms;
 mod tie_nodes;
 
+pub(crate) use bending::Bending;
 pub use branched_lattice::BranchedLattice;
 pub(crate) use continuation::continued;
 pub(crate) use inner_width::inner_widths;
@@ -80,6 +81,8 @@ pub(crate) struct Branching<const D: usize> {
     pieces: Pieces,
     /// The branch of each piece.
     branch_of: Vec<usize>,
+    /// The branch of each triangle; `None` where several meet.
+    branch_of_triangles: Vec<Option<u32>>,
     /// For every branch, the copy of each handle; `None` if the branch has no copy of it.
     branches: Vec<Vec<Option<usize>>>,
 }
@@ -112,11 +115,24 @@ impl<const D: usize> Branching<D> {
         let pieces = Pieces::of(grid, width, &cuts, (&parts, &copies));
         let (branch_of, branches) = pieces.branches(grid, width);
         let corner = |&corner: &u32| shape.points[corner as usize];
-        let first_cut = |triangle: usize| cuts.partition_point(|cut| cut.triangle < triangle) as u32;
+        let (mut first_cuts, mut branch_of_triangles) = (vec![0], Vec::with_capacity(shape.triangles.len()));
+        let own_branches = pieces.of_cuts.iter().map(|&piece| branch_of[piece]);
+        let mut own = cuts.iter().zip(own_branches).peekable();
+        for triangle in 0..shape.triangles.len() {
+            let mut end = first_cuts[triangle];
+            let first = own.peek().map(|(_, branch)| *branch);
+            let mut is_one = true;
+            while let Some((_, branch)) = own.next_if(|(cut, _)| cut.triangle == triangle) {
+                end += 1;
+                is_one &= first == Some(branch);
+            }
+            first_cuts.push(end);
+            branch_of_triangles.push(first.filter(|_| is_one).map(|branch| branch as u32));
+        }
         Self {
             grid: grid.clone(),
             width,
-            first_cuts: (0..=shape.triangles.len()).map(first_cut).collect(),
+            first_cuts,
             triangles: shape.triangles.iter().map(|corners| corners.each_ref().map(corner)).collect(),
             cuts,
             handles: copies.handles,
@@ -124,6 +140,7 @@ impl<const D: usize> Branching<D> {
             ties: copies.ties,
             pieces,
             branch_of,
+            branch_of_triangles,
             branches,
         }
     }
@@ -192,6 +209,15 @@ impl<const D: usize> Branching<D> {
     /// The branch of a piece.
     pub(crate) fn branch_of(&self, piece: usize) -> usize {
         self.branch_of[piece]
+    }
+
+    /// The branch to which a point on one of these triangles belongs.
+    pub(crate) fn branch_at(&self, triangles: Range<usize>, point: &[f64; D]) -> usize {
+        let own = &self.branch_of_triangles[triangles.clone()];
+        match own.first() {
+            Some(&Some(branch)) if own.iter().all(|other| *other == Some(branch)) => branch as usize,
+            _ => self.branch_of(self.piece_at(triangles, point)),
+        }
     }
 
     /// The piece to which a point on one of these triangles belongs.
