@@ -5,7 +5,10 @@
 use crate::pipeline::prepare::layer_assignment::LayerAssignment;
 use crate::pipeline::prepare::transfer::Loaded;
 use crate::pipeline::{PipelineError, PreparedShot};
-use crate::shot::{Layer, Shot, Source};
+use crate::pose::PosedPart;
+use crate::scene::{Primitive, Scene};
+use crate::screen::primitive;
+use crate::shot::{Connectivity, Layer, Shot, Source};
 use crate::solve::Topology;
 
 /// Refuses layers with branching lattices where only plain ones are supported; `what`: the operation requested.
@@ -36,18 +39,60 @@ fn can_branch(layer: &Layer) -> bool {
     layer.basis.can_branch() && layer.settings.branching_fault().is_none()
 }
 
+/// Largest number of triangles of a scene's layer that branches unless its shot says otherwise: every frame splits it anew, which
+/// takes about 5 ms for each thousand of triangles.
+const MAX_BRANCHING_TRIANGLES: usize = 100_000;
+
 /// Makes layers plain whose shot leaves the topology open and that cannot or should not branch: those whose basis or solver does
-/// not support it, those with several pictures, which would count as islands, and those whose lattices come from a file without
-/// branches.
-pub(in crate::pipeline) fn choose(shot: &mut Shot, assignment: &LayerAssignment, loaded: &[Option<Loaded>]) {
+/// not support it, those with several pictures, which would count as islands, those with lines or with too many triangles, unless
+/// they are cut or joined by hand, and those whose lattices come from a file without branches.
+///
+/// Returns a note for every layer with too many triangles.
+pub(in crate::pipeline) fn choose(
+    shot: &mut Shot,
+    scene: &Scene,
+    (assignment, posed): (&LayerAssignment, &[PosedPart]),
+    loaded: &[Option<Loaded>],
+) -> Vec<String> {
     let is_picture = matches!(shot.source, Source::Images(_));
+    let mut notes = Vec::new();
     for ((layer, parts), loaded) in shot.layers.iter_mut().zip(&assignment.parts_of_layer).zip(loaded) {
+        if !layer.has_auto_topology || layer.settings.topology == Topology::Plain {
+            continue;
+        }
         let has_several_pictures = is_picture && parts.len() > 1;
         let is_loaded_plain = loaded.as_ref().is_some_and(|loaded| !loaded.has_branches());
-        if layer.has_auto_topology && (!can_branch(layer) || has_several_pictures || is_loaded_plain) {
+        let (triangles, has_lines) = size_of(parts.iter().map(|&part| primitive(scene, &posed[part])));
+        let is_by_hand = layer.connectivity != Connectivity::default();
+        let is_too_fine = !is_picture && !is_by_hand && triangles > MAX_BRANCHING_TRIANGLES;
+        let is_unfit = !can_branch(layer) || triangles == 0 || has_lines;
+        if is_unfit || is_too_fine || has_several_pictures || is_loaded_plain {
             layer.settings.topology = Topology::Plain;
         }
+        if is_too_fine && !is_unfit && !is_loaded_plain && loaded.is_none() {
+            notes.push(format!(
+                "layer '{}': its lattice is plain, because it has {triangles} triangles; topology = \"branching\" in its `lattice` \
+                 gives parts that are apart handles of their own, at {} s a frame",
+                layer.name,
+                (triangles / 200_000).max(1)
+            ));
+        }
     }
+    notes
+}
+
+/// Whether the lattice of a new shot of a scene branches.
+pub(in crate::pipeline) fn branches_over(scene: &Scene) -> bool {
+    let meshes = scene.nodes.iter().filter_map(|node| node.mesh);
+    let (triangles, has_lines) = size_of(meshes.flat_map(|mesh| &scene.meshes[mesh].primitives));
+    (1..=MAX_BRANCHING_TRIANGLES).contains(&triangles) && !has_lines
+}
+
+/// Number of triangles, and whether there are lines.
+fn size_of<'a>(primitives: impl Iterator<Item = &'a Primitive>) -> (usize, bool) {
+    primitives.fold((0, false), |(triangles, has_lines), primitive| {
+        (triangles + primitive.triangles.len(), has_lines || !primitive.lines.is_empty())
+    })
 }
 
 /// Refuses several pictures in one branching layer: they would count as islands, each linked to the others at a single place.

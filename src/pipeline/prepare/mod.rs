@@ -98,7 +98,7 @@ impl PreparedShot {
         }
         box_frames::check(&shot, &scene)?;
         let loaded = transfer::load(&shot, &mut notes)?;
-        topology::choose(&mut shot, &assignment, &loaded);
+        notes.extend(topology::choose(&mut shot, &scene, (&assignment, &first.parts), &loaded));
         let cache = FrameCache::default();
         let stiffness = stiffness::paint(&shot, &scene, (&assignment.parts_of_layer, &cache))?;
         notes.extend(stiffness.notes.iter().cloned());

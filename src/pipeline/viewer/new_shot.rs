@@ -4,6 +4,7 @@
 
 use crate::image::{PictureKind, SequencePath, picture_size};
 use crate::pipeline::PipelineError;
+use crate::pipeline::evaluate::topology::branches_over;
 use crate::scene::{self, FileAccess, Scene};
 use crate::shot::template::{ClipFact, Subject, TemplateFacts};
 use crate::space::FrameSize;
@@ -19,10 +20,6 @@ const MAX_FRAME: f32 = 999_999.0;
 
 /// Number of frames of a new shot whose scene is not animated.
 const DEFAULT_FRAMES: i32 = 24;
-
-/// Largest number of triangles of a scene whose lattice branches in a new shot: every frame splits it anew, which takes about 5 ms for
-/// each thousand of triangles.
-const MAX_BRANCHING_TRIANGLES: usize = 100_000;
 
 /// The inputs of a new shot.
 #[derive(Debug)]
@@ -94,7 +91,7 @@ fn scene_facts(scene: &Scene) -> TemplateFacts {
         .map_or(DEFAULT_FRAMES, |clip| (clip.end_secs * RATE as f32).round().min(MAX_FRAME) as i32 + 1);
     TemplateFacts {
         subject: Subject::Scene,
-        can_branch: can_branch(scene),
+        can_branch: branches_over(scene),
         has_camera: !cameras.is_empty(),
         cameras,
         clips: scene
@@ -108,14 +105,6 @@ fn scene_facts(scene: &Scene) -> TemplateFacts {
         rate: RATE,
         size: FrameSize::new(1920, 1080),
     }
-}
-
-/// Whether the lattice of a new shot branches: lines cannot, and fine meshes take long to.
-fn can_branch(scene: &Scene) -> bool {
-    let meshes = scene.nodes.iter().filter_map(|node| node.mesh);
-    let primitives = || meshes.clone().flat_map(|mesh| &scene.meshes[mesh].primitives);
-    let triangles: usize = primitives().map(|primitive| primitive.triangles.len()).sum();
-    (1..=MAX_BRANCHING_TRIANGLES).contains(&triangles) && primitives().all(|primitive| primitive.lines.is_empty())
 }
 
 /// Returns the names of rigid meshes that hang from one joint in the same place, such as the weapons of a character pack. Meshes

@@ -220,7 +220,8 @@ impl Check<'_> {
         WorldBoxRule::Fixed([lo, hi])
     }
 
-    /// Returns the topology of a layer's lattice. Unless the shot says otherwise, lattices over pictures branch where they can.
+    /// Returns the topology of a layer's lattice. Unless the shot says otherwise, lattices on the screen over pictures
+    /// and scenes branch where they can.
     fn topology(&mut self, raw: &RawLayer, (settings, shot): (&Settings, &LayerDefaults), key: &str) -> Topology {
         let faults = [
             (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
@@ -234,7 +235,7 @@ impl Check<'_> {
             faults.into_iter().filter(|(is_fault, ..)| *is_fault).map(|(_, what, hint)| (what.to_owned(), hint));
         let of_solver = settings.branching_fault().map(|[what, hint]| (format!("cannot have {what}"), hint));
         let mut faults = faults.chain(of_solver).peekable();
-        let branches = shot.source == Kind::Images && faults.peek().is_none();
+        let branches = matches!(shot.space, RawSpace::Screen) && faults.peek().is_none();
         let default = if branches { Topology::Branching } else { Topology::Plain };
         let topology = raw.lattice.topology.unwrap_or(default);
         if topology == Topology::Branching {
