@@ -170,8 +170,8 @@ pub(in crate::shot) struct RawLattice {
     pub(in crate::shot) dims: Option<RawDims>,
     /// Basis functions that blend the handles.
     pub(in crate::shot) basis: Basis,
-    /// Which parts of a drawing or model share handles. Default: "branching" for a picture where the layer's solve allows
-    /// it, else "plain".
+    /// Which parts of a drawing or model share handles. Default: "branching" on the screen over a picture or a scene, where the
+    /// layer's solve allows it; "plain" over lines and more than 100,000 triangles, and in the world.
     #[schemars(example = &"plain")]
     pub(in crate::shot) topology: Option<Topology>,
     /// For branching lattices: what separates parts that touch. Strokes across a picture (points in frame heights), or parts of a
