@@ -197,7 +197,7 @@ impl FrameSize {
     /// assert!(!FrameSize::new(960, 544).is_as_wide_as(shot.aspect()));
     /// ```
     #[must_use]
-    pub fn is_as_wide_as(self, aspect: f64) -> bool {
+    pub(crate) fn is_as_wide_as(self, aspect: f64) -> bool {
         let slack = 0.5 * (self.pixel_aspect + aspect) / f64::from(self.height);
         (self.aspect() - aspect).abs() <= slack + 1e-6
     }

@@ -104,7 +104,7 @@ impl Plate {
 
     /// Returns the data window of a part, relative to the upper left corner of the display window.
     #[must_use]
-    pub fn window_of(&self, part: &PlatePart) -> PixelRect {
+    pub(crate) fn window_of(&self, part: &PlatePart) -> PixelRect {
         part.data_window.relative_to(self.display)
     }
 

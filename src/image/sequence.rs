@@ -60,7 +60,7 @@ impl SequencePath {
 
     /// Returns the path of frame number `frame`; that of a single frame does not depend on the number.
     #[must_use]
-    pub fn path_of(&self, frame: i32) -> PathBuf {
+    pub(crate) fn path_of(&self, frame: i32) -> PathBuf {
         match &self.name {
             Name::Single => self.pattern.clone(),
             Name::Counted { before, width, after } => {
@@ -108,7 +108,7 @@ impl SequencePath {
     ///
     /// # Errors
     /// [`ImageError::Io`] if the directory cannot be listed.
-    pub fn frames_on_disk(&self) -> Result<Option<Vec<i32>>, ImageError> {
+    pub(crate) fn frames_on_disk(&self) -> Result<Option<Vec<i32>>, ImageError> {
         if !self.has_counter() {
             return Ok(None);
         }

@@ -69,7 +69,7 @@ impl Shot {
 
     /// Returns the index of the layer of this name.
     #[must_use]
-    pub fn layer_index(&self, name: &str) -> Option<usize> {
+    pub(crate) fn layer_index(&self, name: &str) -> Option<usize> {
         self.layers.iter().position(|layer| layer.name == name)
     }
 

@@ -42,7 +42,7 @@ impl<'a> Cancel<'a> {
 
     /// Polls the hook; true once the solve is to stop.
     #[must_use]
-    pub fn is_requested(&self) -> bool {
+    pub(crate) fn is_requested(&self) -> bool {
         if let (false, Some(hook)) = (self.is_requested.get(), self.hook) {
             self.is_requested.set(hook());
         }

@@ -46,7 +46,7 @@ impl PixelRect {
     /// assert_eq!(a.union(PixelRect { width: 0, ..b }), a);
     /// ```
     #[must_use]
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         if self.area() == 0 || other.area() == 0 {
             return if self.area() == 0 { other } else { self };
         }
@@ -77,13 +77,13 @@ impl PixelRect {
     /// assert_eq!(data.relative_to(display).placed_in(display), data);
     /// ```
     #[must_use]
-    pub const fn relative_to(self, origin: Self) -> Self {
+    pub(crate) const fn relative_to(self, origin: Self) -> Self {
         Self { x: self.x - origin.x, y: self.y - origin.y, ..self }
     }
 
     /// The inverse of [`Self::relative_to`].
     #[must_use]
-    pub const fn placed_in(self, origin: Self) -> Self {
+    pub(crate) const fn placed_in(self, origin: Self) -> Self {
         Self { x: self.x + origin.x, y: self.y + origin.y, ..self }
     }
 
@@ -156,7 +156,7 @@ impl PixelRect {
     /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
     /// assert_eq!(a.shared_rows(b).collect::<Vec<_>>(), [[7..8, 0..1], [11..12, 5..6]]);
     /// ```
-    pub fn shared_rows(self, other: Self) -> impl Iterator<Item = [Range<usize>; 2]> + Clone {
+    pub(crate) fn shared_rows(self, other: Self) -> impl Iterator<Item = [Range<usize>; 2]> + Clone {
         let shared = self.intersection(other);
         let rows = if shared.width == 0 { 0 } else { shared.height as usize };
         (0..rows).map(move |row| [self, other].map(|window| window.row_of(shared, row)))

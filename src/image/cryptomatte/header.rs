@@ -31,7 +31,7 @@ impl MatteHeader {
     /// assert_eq!(MatteHeader::key_of("ViewLayer.CryptoMaterial"), "c7dbf5e");
     /// ```
     #[must_use]
-    pub fn key_of(name: &str) -> String {
+    pub(crate) fn key_of(name: &str) -> String {
         format!("{:08x}", murmur3_32(name.as_bytes()))[..7].to_owned()
     }
 

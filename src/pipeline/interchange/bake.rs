@@ -115,7 +115,7 @@ impl PreparedShot {
 
     /// Returns the delay of a file with [`BakeTimes::Frames`] relative to the shot, in frames; 0 if all its frames are 0 or later.
     #[must_use]
-    pub fn file_frames(&self, frames: &[i32]) -> i32 {
+    pub(crate) fn file_frames(&self, frames: &[i32]) -> i32 {
         let first = frames.iter().copied().min().unwrap_or_default();
         frames_to_zero(first, self.shot.frames.rate)
     }

@@ -110,15 +110,6 @@ impl OpenShot {
         Ok(rework)
     }
 
-    /// Loads everything again, even if the shot is unchanged, because the contents of its files may have changed.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn reload(&mut self, shot: Shot) -> Result<(), PipelineError> {
-        *self = Self::new(shot)?;
-        Ok(())
-    }
-
     /// Replaces the shot, keeping scene, layer assignment and pin anchors.
     fn put_shot(&mut self, shot: &Shot) {
         let prepared = &mut self.prepared;
