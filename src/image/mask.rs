@@ -56,12 +56,6 @@ impl PaintedMap {
         Ok(Self { size: [width, height], values: own.iter().enumerate().map(value).collect() })
     }
 
-    /// Whether width and height are in the same proportion as those of a picture.
-    pub(crate) fn has_shape_of(&self, size: [u32; 2]) -> bool {
-        let shape = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height.max(1));
-        (shape(self.size) / shape(size) - 1.0).abs() <= SAME_SHAPE
-    }
-
     /// Returns the bilinearly interpolated value at a position of the unit square, x right, y down from the upper left
     /// corner; repeats beyond it.
     #[must_use]
@@ -81,6 +75,12 @@ impl PaintedMap {
         let row = |y: usize| texel(x0, y) * (1.0 - s) + texel(x1, y) * s;
         row(y0) * (1.0 - t) + row(y1) * t
     }
+}
+
+/// Whether width and height of two pictures are in the same proportion.
+pub(crate) fn are_of_one_shape(a: [u32; 2], b: [u32; 2]) -> bool {
+    let shape = |[width, height]: [u32; 2]| f64::from(width) / f64::from(height.max(1));
+    (shape(a) / shape(b) - 1.0).abs() <= SAME_SHAPE
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 
 mod atomic;
 mod channels;
+mod closed_regions;
 mod codes;
 mod complete;
 #[cfg(feature = "cli")]
@@ -17,10 +18,12 @@ mod exr_guard;
 mod exr_head;
 mod exr_read;
 mod exr_write;
+mod flat_colors;
 mod font;
 mod guard;
 mod kept;
 mod kind;
+mod label_map;
 mod mask;
 mod metadata;
 mod picture;
@@ -32,12 +35,14 @@ mod preview;
 mod provenance;
 mod sequence;
 mod size;
+mod squared_distance;
 mod srgb;
 mod window;
 
 pub use atomic::{Destination, Durability};
 pub(crate) use atomic::{remove_stale, replace_bytes, replace_text};
 pub use channels::{ChannelGroup, ChannelSpec};
+pub(crate) use closed_regions::{ClosedRegions, Drawing, LineRule};
 pub use codes::write_codes;
 pub use complete::is_complete;
 #[cfg(feature = "cli")]
@@ -46,13 +51,15 @@ pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};
 pub use exr_write::write_exr;
+pub(crate) use flat_colors::flat_colors;
 pub use guard::Existing;
 pub(crate) use guard::{Inputs, is_there};
 #[cfg(feature = "cli")]
 pub(crate) use kept::read_whole;
 pub(crate) use kept::{Depth, Expected, StaleReason, check_kept};
 pub use kind::{FileKind, PictureKind};
-pub(crate) use mask::PaintedMap;
+pub(crate) use label_map::{LabelMap, NO_LABEL};
+pub(crate) use mask::{PaintedMap, are_of_one_shape};
 pub use metadata::{CameraMatrices, FrameMetadata};
 pub(crate) use picture::read_numbers;
 #[cfg(feature = "python")]

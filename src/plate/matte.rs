@@ -34,11 +34,11 @@ pub(super) struct MatteCoverage {
 }
 
 /// A selection of names from a Cryptomatte.
-struct Selection {
-    matte: MatteLayer<ChannelIndex>,
-    ids: BTreeSet<MatteId>,
+pub(super) struct Selection {
+    pub(super) matte: MatteLayer<ChannelIndex>,
+    pub(super) ids: BTreeSet<MatteId>,
     /// Names that are not in the manifest, for messages.
-    unknown: Vec<String>,
+    pub(super) unknown: Vec<String>,
 }
 
 /// Computes the coverage of a layer's matte; the name in `layer` is for messages.
@@ -77,7 +77,12 @@ pub(super) fn matte_coverage(
 }
 
 /// Finds a channel by the name given in the shot: in this view, or else in the first view that has it.
-fn find(table: &ChannelTable, layer: &str, name: &str, view: Option<&str>) -> Result<ChannelIndex, PlateError> {
+pub(super) fn find(
+    table: &ChannelTable,
+    layer: &str,
+    name: &str,
+    view: Option<&str>,
+) -> Result<ChannelIndex, PlateError> {
     let is_meant = |entry: &&ChannelEntry| entry.name.full == name || entry.name.with_all_of_part() == name;
     let named: Vec<&ChannelEntry> = table.entries.iter().filter(is_meant).collect();
     let Some(first) = named.first() else {
@@ -127,7 +132,11 @@ fn cryptomatte_coverage(
     let Selection { matte, ids, unknown } = select(table, layer, wanted, region.view)?;
     let missing = format!("layer \"{layer}\": not in {}: {}", matte.name, unknown.join("; "));
     Ok(MatteCoverage {
-        coverage: Some(of_picture(table, summed_coverage(table, &matte, &ids, region.window), region)),
+        coverage: Some(of_picture(
+            table,
+            summed_coverage(table, &matte, |id| ids.contains(&id), region.window),
+            region,
+        )),
         share: None,
         selection: Some((matte.name, ids)),
         warning: (!unknown.is_empty()).then_some(missing),
@@ -135,7 +144,7 @@ fn cryptomatte_coverage(
 }
 
 /// Selects the Cryptomatte that contains most of the names.
-fn select(
+pub(super) fn select(
     table: &ChannelTable,
     layer: &str,
     (wanted, names): (Option<&str>, &[String]),
@@ -167,7 +176,7 @@ fn select(
     Ok(best)
 }
 
-fn matte_layers_of_view(table: &ChannelTable, view: Option<&str>) -> Vec<MatteLayer<ChannelIndex>> {
+pub(super) fn matte_layers_of_view(table: &ChannelTable, view: Option<&str>) -> Vec<MatteLayer<ChannelIndex>> {
     let of_view = |view: Option<&str>| {
         table.matte_layers(table.entries.iter().filter(|entry| entry.name.view.as_deref() == view))
     };
@@ -179,18 +188,18 @@ fn matte_layers_of_view(table: &ChannelTable, view: Option<&str>) -> Vec<MatteLa
     first.map_or_else(Vec::new, |entry| of_view(entry.name.view.as_deref()))
 }
 
-/// Sums the coverage of ids over all ranks.
-fn summed_coverage(
+/// Sums the coverage of some ids over all ranks.
+pub(super) fn summed_coverage(
     table: &ChannelTable,
     matte: &MatteLayer<ChannelIndex>,
-    ids: &BTreeSet<MatteId>,
+    is_in: impl Fn(MatteId) -> bool,
     window: PixelRect,
 ) -> Vec<f32> {
     let mut sum = vec![0.0; window.area()];
     for rank in &matte.ranks {
         let (found, coverage) = (table.over(rank.id, window, 0.0), table.over(rank.coverage, window, 0.0));
         for ((sum, &id), &coverage) in sum.iter_mut().zip(found.iter()).zip(coverage.iter()) {
-            if coverage > 0.0 && ids.contains(&MatteId::from_sample(id)) {
+            if coverage > 0.0 && is_in(MatteId::from_sample(id)) {
                 *sum += coverage;
             }
         }
@@ -200,11 +209,11 @@ fn summed_coverage(
 }
 
 /// Whether a layer has the wanted name, with or without its prefix: `CryptoObject` also matches `ViewLayer.CryptoObject`.
-fn is_named(name: &str, wanted: &str) -> bool {
+pub(super) fn is_named(name: &str, wanted: &str) -> bool {
     name == wanted || name.rsplit_once('.').is_some_and(|(_, last)| last == wanted)
 }
 
 /// Decodes an id, stored as the bits of an integer or as a whole number in a float.
-fn id_of(sample: f32, storage: Storage) -> u32 {
+pub(super) fn id_of(sample: f32, storage: Storage) -> u32 {
     if storage == Storage::Uint { sample.to_bits() } else { sample.round() as u32 }
 }

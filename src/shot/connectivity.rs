@@ -1,9 +1,17 @@
 //! Cuts and joins between the parts of a layer, for branching lattices.
 
 use super::Selection;
+use crate::plate::Matte;
+use std::path::PathBuf;
 
 /// Default maximum distance between an island and the part that carries it, in diagonals of the layer at rest.
 pub(super) const ISLAND_RADIUS: f64 = 0.1;
+
+/// Default greatest gap in a line that still closes a region, frame heights.
+pub(super) const GAP: f64 = 0.01;
+
+/// Default contrast of a line with what lies beside it, as a fraction of that of black and white.
+pub(super) const CONTRAST: f64 = 0.25;
 
 /// The connectivity of a layer's parts, in addition to their rest geometry.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +39,10 @@ pub enum Cut {
         /// What happens to the surfaces of meshes of which only some is cut off.
         surface: CutSurface,
     },
+    /// Parts of a picture by the ids of another that lies over it.
+    Ids(IdPicture),
+    /// Parts of a drawing by its closed regions.
+    Regions(LineArt),
 }
 
 /// The effect of a cut on the surface of a mesh of which only some is cut off.
@@ -42,12 +54,66 @@ pub enum CutSurface {
     Opened,
 }
 
+/// A picture of ids that lies over the picture of a layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdPicture {
+    /// PNG or EXR file of the picture's shape.
+    pub file: PathBuf,
+    /// The ids that count.
+    pub ids: IdChoice,
+}
+
+/// The ids of a picture that separate parts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IdChoice {
+    /// Each id of a Cryptomatte is a part; in a file without one, each colour. The name of the Cryptomatte, if several are there.
+    Each(Option<String>),
+    /// Each value of a channel of ids is a part.
+    EachOfChannel(String),
+    /// What the matte covers by more than half is one part.
+    Chosen(Matte),
+}
+
+/// A drawing that is divided into the regions which its lines close.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineArt {
+    /// Picture of the lines; `None`: the picture of the layer.
+    pub file: Option<PathBuf>,
+    /// Points in regions that together are one part, frame heights; empty: every region is a part.
+    pub at: Vec<[f64; 2]>,
+    /// Greatest gap in a line that still closes a region, frame heights.
+    pub gap: f64,
+    /// Contrast of a line with what lies beside it, as a fraction of that of black and white.
+    pub threshold: f64,
+}
+
 impl Cut {
-    /// Returns the selection of a cut-off part.
-    pub(super) const fn selection_mut(&mut self) -> Option<&mut Selection> {
+    /// Whether it divides a picture into any number of parts, of which those without a pin go along with others.
+    pub(crate) fn is_division(&self) -> bool {
         match self {
-            Self::Part { selection, .. } => Some(selection),
+            Self::Ids(ids) => !matches!(ids.ids, IdChoice::Chosen(_)),
+            Self::Regions(lines) => lines.at.is_empty(),
+            Self::Stroke(_) | Self::Part { .. } => false,
+        }
+    }
+
+    /// Returns the file that the cut reads, with its key in the cut: `mask.file`.
+    pub(crate) fn file(&self) -> Option<(&'static str, &PathBuf)> {
+        match self {
             Self::Stroke(_) => None,
+            Self::Part { selection, .. } => Some(("mask.file", &selection.mask.as_ref()?.file)),
+            Self::Ids(ids) => Some(("ids.file", &ids.file)),
+            Self::Regions(lines) => Some(("regions.file", lines.file.as_ref()?)),
+        }
+    }
+
+    /// Returns the same file, to change its path.
+    pub(super) fn file_mut(&mut self) -> Option<&mut PathBuf> {
+        match self {
+            Self::Stroke(_) => None,
+            Self::Part { selection, .. } => Some(&mut selection.mask.as_mut()?.file),
+            Self::Ids(ids) => Some(&mut ids.file),
+            Self::Regions(lines) => lines.file.as_mut(),
         }
     }
 }
@@ -56,15 +122,5 @@ impl Default for Connectivity {
     /// No manual cuts or joins.
     fn default() -> Self {
         Self { cuts: Vec::new(), joins: Vec::new(), island_radius: ISLAND_RADIUS }
-    }
-}
-
-impl Connectivity {
-    /// Returns the selections of the cut-off parts.
-    pub(crate) fn selections(&self) -> impl Iterator<Item = &Selection> {
-        self.cuts.iter().filter_map(|cut| match cut {
-            Cut::Part { selection, .. } => Some(selection),
-            Cut::Stroke(_) => None,
-        })
     }
 }

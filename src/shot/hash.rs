@@ -24,9 +24,9 @@ impl Shot {
             transfer.file = portable(&transfer.file, folder);
         });
         for Layer { selection, connectivity, .. } in &mut content.layers {
-            let cuts = connectivity.cuts.iter_mut().filter_map(Cut::selection_mut);
-            for mask in cuts.chain([selection]).filter_map(|selection| selection.mask.as_mut()) {
-                mask.file = portable(&mask.file, folder);
+            let masks = selection.mask.iter_mut().map(|mask| &mut mask.file);
+            for file in connectivity.cuts.iter_mut().filter_map(Cut::file_mut).chain(masks) {
+                *file = portable(file, folder);
             }
         }
         if let Holes::Plate(clean) = &mut content.warp.holes {

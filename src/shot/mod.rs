@@ -29,7 +29,7 @@ pub mod template;
 
 pub use camera::*;
 pub(crate) use connectivity::CutSurface;
-pub use connectivity::{Connectivity, Cut};
+pub use connectivity::{Connectivity, Cut, IdChoice, IdPicture, LineArt};
 pub use error::ShotError;
 pub(crate) use hash::digest;
 pub use lines::KeyLines;

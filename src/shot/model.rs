@@ -84,15 +84,18 @@ impl Shot {
         }
     }
 
-    /// Returns the files that the shot refers to, except sequences: scene or pictures, masks, and lattices to transfer.
+    /// Returns the files that the shot refers to, except sequences: scene or pictures, masks and other pictures that cut, and lattices
+    /// to transfer.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let drawn = match &self.source {
             Source::Scene(scene) => std::slice::from_ref(scene),
             Source::Images(images) => images,
             Source::Frame => &[],
         };
-        let selections = self.layers.iter().flat_map(|layer| layer.connectivity.selections().chain([&layer.selection]));
-        let masks = selections.filter_map(|selection| Some(&selection.mask.as_ref()?.file));
+        let masks = self.layers.iter().flat_map(|layer| {
+            let cuts = layer.connectivity.cuts.iter().filter_map(|cut| Some(cut.file()?.1));
+            cuts.chain(layer.selection.mask.as_ref().map(|mask| &mask.file))
+        });
         let lattices = self.layers.iter().filter_map(|layer| Some(&layer.transfer.as_ref()?.file));
         drawn.iter().chain(masks).chain(lattices)
     }

@@ -80,6 +80,8 @@ fn cuts_and_joins_without_effect_are_reported() {
         ("cuts = [{ mask = { file = 'no.png' } }]", ["there is no file", "cuts[0].mask.file"]),
         ("cuts = [{}]", ["separates nothing", "cuts[0]"]),
         ("cuts = [[[0, 0], [1, 1]]]", ["strokes cut pictures only", "cuts[0]"]),
+        ("cuts = [{ ids = { file = 'ids.png' } }]", ["divides pictures", "cuts[0].ids"]),
+        ("cuts = [{ regions = {} }]", ["divides pictures", "cuts[0].regions"]),
         ("joins = [['Arm', 'Bdy']]", ["no node of the layer", "joins[0]"]),
         ("joins = [['Arm', 'Ar*']]", ["joined with itself", "joins[0]"]),
         ("island_radius = -1.0", ["island_radius", "-1"]),

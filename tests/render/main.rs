@@ -24,6 +24,7 @@ mod mirrored;
 mod motion;
 mod normal_maps;
 mod own_cameras;
+mod picture_cuts;
 mod pictures;
 mod pins;
 mod repeat;

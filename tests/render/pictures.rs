@@ -12,7 +12,7 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
-const SIZE: PixelRect = PixelRect { x: 0, y: 0, width: 96, height: 64 };
+pub(crate) const SIZE: PixelRect = PixelRect { x: 0, y: 0, width: 96, height: 64 };
 
 /// Where things lie: a disc of a size around a place.
 fn disc(x: f32, y: f32, radius: f32) -> impl Fn(f32, f32) -> f32 {
@@ -20,7 +20,7 @@ fn disc(x: f32, y: f32, radius: f32) -> impl Fn(f32, f32) -> f32 {
 }
 
 /// A picture of a field's coverage in a colour that runs across, negative and bright values included.
-fn drawn(window: PixelRect, prefix: &str, coverage: impl Fn(f32, f32) -> f32) -> Vec<Channel> {
+pub(crate) fn drawn(window: PixelRect, prefix: &str, coverage: impl Fn(f32, f32) -> f32) -> Vec<Channel> {
     let place = |k: usize| {
         let (x, y) = (k % window.width as usize, k / window.width as usize);
         (x as f32 + window.x as f32 + 0.5, y as f32 + window.y as f32 + 0.5)
@@ -47,35 +47,29 @@ fn half_rounded(value: f32) -> f32 {
 }
 
 /// A folder with pictures.
-struct Wall {
-    folder: TempDir,
+pub(crate) struct Wall {
+    pub(crate) folder: TempDir,
 }
 
 impl Wall {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
-    fn hang(&self, name: &str, data_window: PixelRect, channels: Vec<Channel>) -> Frame {
+    pub(crate) fn hang(&self, name: &str, data_window: PixelRect, channels: Vec<Channel>) -> Frame {
         let frame = Frame { display: SIZE, data_window, pixel_aspect: 1.0, channels };
         let path = self.folder.path().join(name);
         write_exr(&path, &frame, &FrameMetadata::default(), Compression::Zip).expect("the folder can be written to");
         frame
     }
 
-    /// Saves a mask: white where `is_white` says so of the middle of a pixel.
-    fn paint(&self, name: &str, [width, height]: [u32; 2], is_white: impl Fn(f64, f64) -> bool) {
-        let pixel = |x: u32, y: u32| image::Luma([255 * u8::from(is_white(f64::from(x) + 0.5, f64::from(y) + 0.5))]);
-        image::GrayImage::from_fn(width, height, pixel).save(self.folder.path().join(name)).expect("saved");
-    }
-
-    fn shot(&self, text: &str) -> Shot {
+    pub(crate) fn shot(&self, text: &str) -> Shot {
         let text = format!("frames = {{ first = 1, last = 2 }}\noutput.path = \"out/f.####.exr\"\n{text}");
         Shot::parse(&text, &self.folder.path().join("shot.toml")).expect("a right shot")
     }
 
     /// The first frame, and what was said on the way.
-    fn render(&self, shot: Shot) -> (Frame, Vec<String>) {
+    pub(crate) fn render(&self, shot: Shot) -> (Frame, Vec<String>) {
         let notes = Mutex::new(Vec::new());
         let options =
             RenderOptions { frames: vec![1], has_preview: true, has_overlay: true, ..RenderOptions::default() };
@@ -92,7 +86,7 @@ impl Wall {
         (read_exr(&path).expect("it was written"), notes.into_inner().expect("nobody panics"))
     }
 
-    fn fault(&self, shot: Shot) -> String {
+    pub(crate) fn fault(&self, shot: Shot) -> String {
         PreparedShot::new(shot).expect_err("a fault").to_string()
     }
 }
@@ -303,7 +297,7 @@ fn faults_say_what_to_do() {
 }
 
 /// A body, and an arm beside it that hangs on at the top.
-fn body_and_arm(x: f32, y: f32) -> f32 {
+pub(crate) fn body_and_arm(x: f32, y: f32) -> f32 {
     let bar = |left: f32, right: f32, low: f32| f32::from(u8::from(x > left && x < right && y > 6.0 && y < low));
     bar(16.0, 40.0, 58.0).max(bar(50.0, 60.0, 50.0)).max(bar(16.0, 60.0, 14.0))
 }
@@ -483,85 +477,6 @@ fn comparisons_are_plain_and_several_pictures_in_a_branching_layer_are_refused()
     assert_eq!(open.layers[0].settings.topology, Topology::Branching);
     let prepared = PreparedShot::new(open).expect("two pictures in one layer");
     assert_eq!(prepared.shot.layers[0].settings.topology, Topology::Plain);
-}
-
-/// A body with an arm that touches it along its whole length.
-fn touching(x: f32, y: f32) -> f32 {
-    body_and_arm(x, y).max(f32::from(u8::from(x > 38.0 && x < 52.0 && y > 6.0 && y < 50.0)))
-}
-
-/// Number of pixels that are uncovered between body and arm when the arm is pulled away, with the given cuts.
-fn uncovered_by(cuts: &str) -> usize {
-    let wall = Wall::new();
-    wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
-    wall.paint("arm.png", [192, 128], |x, _| x > 2.0 * 44.8);
-    let pins: String = [
-        (18.0, 10.0, [0.0; 2]),
-        (38.0, 40.0, [0.0; 2]),
-        (28.0, 55.0, [0.0; 2]),
-        (55.0, 46.0, [18.0, 6.0]),
-    ]
-    .into_iter()
-    .map(|(x, y, [dx, dy])| {
-        format!(
-            "[[layer.pin]]\nanchor = {{ screen = [{}, {}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{}, {}] }}]\n",
-            x / 64.0,
-            1.0 - y / 64.0,
-            dx / 64.0,
-            dy / 64.0
-        )
-    })
-    .collect();
-    let lattice = format!("{{ dims = [24, 24], topology = \"branching\", cuts = [{cuts}] }}");
-    let shot = wall.shot(&format!("version = 1\nimage = \"one.exr\"\n[[layer]]\nlattice = {lattice}\n{pins}"));
-    let (frame, _) = wall.render(shot);
-    let pixels = (30..48).flat_map(|y| (44..56).map(move |x| (x, y)));
-    pixels.filter(|&(x, y)| at(&frame, "A", x, y) < 0.5).count()
-}
-
-/// The fault of a shot of the same picture with these cuts.
-fn fault_of(cuts: &str) -> String {
-    let wall = Wall::new();
-    wall.hang("one.exr", SIZE, drawn(SIZE, "", touching));
-    wall.paint("black.png", [96, 64], |_, _| false);
-    wall.paint("square.png", [64, 64], |x, _| x > 40.0);
-    let text = format!(
-        "version = 1\nframes = {{ first = 1, last = 2 }}\nimage = \"one.exr\"\n[[layer]]\nlattice = {{ topology = \"branching\", cuts = [{cuts}] }}"
-    );
-    match Shot::parse(&text, &wall.folder.path().join("shot.toml")) {
-        Ok(shot) => wall.fault(shot),
-        Err(error) => error.to_string(),
-    }
-}
-
-/// An arm that touches the body along its whole length is one with it, until a stroke or a painted mask cuts them apart.
-#[test]
-fn a_stroke_or_a_mask_cuts_apart_what_touches() {
-    let cuts = ["", "[[0.7, 0.05], [0.7, 0.77]]", "{ mask = { file = 'arm.png' } }"];
-    let [whole, stroke, mask] = cuts.map(uncovered_by);
-    println!(
-        "uncovered pixels between body and arm: {whole} as one piece, {stroke} after a stroke, {mask} with a mask"
-    );
-    assert!(whole == 0 && stroke > 30 && mask > 30, "whole {whole}, stroke {stroke}, mask {mask}");
-}
-
-#[test]
-fn cuts_of_a_picture_that_separate_nothing_are_told() {
-    let faults = [
-        ("[[0.0, 0.99], [0.1, 0.99]]", ["cuts nothing", "cuts[0]"]),
-        ("{ mask = { file = 'black.png' } }", ["selects 0 of", "which lies over the whole picture"]),
-        (
-            "{ mask = { file = 'square.png' } }",
-            ["the mask has 64 x 64 pixels, the picture 96 x 64", "cuts[0].mask.file"],
-        ),
-        ("{ mask = { file = 'none.png' } }", ["none.png", "cuts[0].mask.file"]),
-        ("{ mask = { file = 'black.png', texcoord = 1 } }", ["a picture has no UVs", "cuts[0].mask.texcoord"]),
-        ("{ joints = ['Arm'] }", ["only a `scene` has parts with names", "paint a mask"]),
-    ];
-    for (cuts, parts) in faults {
-        let told = fault_of(cuts);
-        assert!(parts.iter().all(|part| told.contains(part)), "{cuts}: {told}");
-    }
 }
 
 #[test]

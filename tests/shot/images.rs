@@ -32,6 +32,21 @@ fn pictures_stand_in_for_the_scene() {
     assert_ne!(one.hash(), shot.hash());
 }
 
+/// Frames are rendered again if one of these files changes, and farms send them along.
+#[test]
+fn files_that_cut_are_files_of_the_shot() {
+    let cuts = "{ mask = { file = \"m.png\" } }, { ids = { file = \"i.png\" } }, { regions = { file = \"l.png\" } }, { regions = {} }";
+    let text = replaced(PICTURES, "nodes = [\"girl*\"]\n", &format!("nodes = [\"girl*\"]\nlattice.cuts = [{cuts}]\n"));
+    let shot = parse(&text).unwrap();
+    let names: Vec<&PathBuf> = shot.files().collect();
+    let wanted =
+        ["back.png", "girls/girl.exr", "m.png", "i.png", "l.png"].map(|name| PathBuf::from("shots").join(name));
+    assert_eq!(names, wanted.iter().collect::<Vec<_>>());
+    assert_ne!(shot.hash(), parse(&replaced(&text, "l.png", "k.png")).unwrap().hash());
+    let moved = Shot::parse(&text, std::path::Path::new("elsewhere/pot.toml")).unwrap();
+    assert_eq!(shot.hash(), moved.hash(), "the folder does not count");
+}
+
 #[test]
 fn the_first_picture_gives_the_size() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,11 +4,13 @@
 
 mod branches;
 mod composite_parts;
+mod drawing;
 mod element;
 mod frames;
 mod paint;
 mod read;
 
+pub(super) use drawing::{drawing_in, drawing_of};
 pub(super) use frames::{Wanted, paint_frame, render_pictures, times};
 
 use crate::image::{ImageError, PictureExtent, Storage, picture_extent, read_any};

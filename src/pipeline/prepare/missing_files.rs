@@ -4,11 +4,11 @@
 
 use crate::image::FileKind;
 use crate::pipeline::PipelineError;
-use crate::shot::{Cut, Selection, Shot, Source};
+use crate::shot::{Shot, Source};
 use crate::spelling;
 use std::path::Path;
 
-/// Checks the scene, the pictures, the masks and the lattice files.
+/// Checks the scene, the pictures, the masks, the pictures that cut, and the lattice files.
 pub(in crate::pipeline) fn check(shot: &Shot) -> Result<(), PipelineError> {
     match &shot.source {
         Source::Scene(scene) => check_file(shot, "scene", scene)?,
@@ -20,8 +20,8 @@ pub(in crate::pipeline) fn check(shot: &Shot) -> Result<(), PipelineError> {
             check_file(shot, &format!("layer[{index}].select.mask.file"), &mask.file)?;
         }
         for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
-            if let Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } = cut {
-                check_file(shot, &format!("layer[{index}].lattice.cuts[{number}].mask.file"), &mask.file)?;
+            if let Some((key, file)) = cut.file() {
+                check_file(shot, &format!("layer[{index}].lattice.cuts[{number}].{key}"), file)?;
             }
         }
     }

@@ -10,10 +10,12 @@ pub(super) mod brush_strokes;
 pub(super) mod cameras;
 pub(super) mod layer_assignment;
 pub(super) mod lighting;
+mod loose_parts;
 pub(super) mod mattes;
 pub(super) mod mesh_resolution;
 pub(super) mod mirrored_pins;
 pub(super) mod missing_files;
+pub(super) mod picture_parts;
 pub(super) mod prepared_shot;
 pub(super) mod reflection;
 pub(super) mod rest_links;
@@ -44,6 +46,7 @@ use mattes::Mattes;
 use mesh_resolution::coarse_meshes;
 use prepared_shot::{DrawInputs, LayerInputs};
 use rest_links::rest_links;
+use rest_mesh::RestMesh;
 use std::collections::HashMap;
 
 /// Maximum number of pixels of a frame: 16384 x 16384.
@@ -195,9 +198,24 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
         prepared.layer_inputs.anchors.push(attached);
     }
     mirrored_pins::attach(prepared)?;
+    divide_links(prepared, first);
     let notes = notes_on_pins(prepared, first);
     prepared.notes.extend(notes);
     Ok(())
+}
+
+/// Separates the parts of drawings that have pins.
+fn divide_links(prepared: &mut PreparedShot, first: &Pose) {
+    for (index, links) in prepared.layer_inputs.links.iter_mut().enumerate() {
+        let Some(links) = links.as_mut().filter(|links| links.has_divisions()) else { continue };
+        let mesh = RestMesh::of(&prepared.scene, first, &prepared.assignment.parts_of_layer[index]);
+        // Pictures are flat: their x and y are screen coordinates.
+        let pinned = prepared.layer_inputs.anchors[index].iter().filter_map(|anchor| match anchor {
+            PinAnchor::Screen(point) => mesh.triangle_at(point.0),
+            PinAnchor::Surface { .. } => mesh.triangle_at(anchor.in_scene(first)?.truncate()),
+        });
+        links.divide(&pinned.collect::<Vec<_>>());
+    }
 }
 
 /// Moves a point within half a pixel of the frame's border just inside it: rounding may have put it beyond the edge of a picture.

@@ -3,17 +3,17 @@
 //! In: a scene, the parts of a layer, the cuts and joins of the shot. Out: [`RestLinks`] between triangles, which are
 //! numbered consecutively over all parts.
 
+use super::loose_parts::joined_to_pinned;
+use super::picture_parts::{CHOSEN, Fault, OTHER, PictureParts};
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::selection::cut_off;
-use crate::image::PaintedMap;
 use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::screen::primitive;
-use crate::shot::{Cut, CutSurface, Layer, PaintedMask, Selection, Shot, Source};
+use crate::shot::{Cut, CutSurface, Layer, Selection, Shot, Source};
 use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, nearest_link, solid_links, surface_links};
-use crate::space::FrameSize;
-use crate::spelling;
+use crate::spelling::{self, pluralised};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -33,12 +33,27 @@ const NAMED_HINT: &str = "name a part that touches the rest of the layer at rest
 const PAINTED_HINT: &str =
     "paint some of the drawing white in the mask, which lies over the whole picture, and the rest black";
 
+/// What to do where ids separate nothing.
+const IDS_HINT: &str =
+    "fill parts that touch with different colours, or ids, in a picture that lies over the whole picture";
+
+/// What to do where the regions of a drawing separate nothing.
+const REGIONS_HINT: &str =
+    "lines have to close the regions: raise `gap` if a line has gaps, lower `threshold` if it is faint";
+
+/// What to do where a stroke separates nothing.
+const STROKE_HINT: &str = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
+
 /// The links of a layer. Those through its solid are as dense as the lattice needs, because the time to split a shape grows with their
 /// number.
 #[derive(Debug)]
 pub(in crate::pipeline) struct RestLinks {
     /// Distances of the links through the solid, descending, with all links.
     by_pitch: Vec<(f64, Arc<Vec<Link>>)>,
+    /// For every cut into many parts: the part of every triangle. Those without a pin are joined to others.
+    divisions: Vec<Vec<u32>>,
+    /// The links with those between the parts of divisions, if there are some.
+    undivided: Vec<(f64, Arc<Vec<Link>>)>,
 }
 
 impl RestLinks {
@@ -47,6 +62,28 @@ impl RestLinks {
         let is_dense_enough = |(pitch, _): &&(f64, Arc<Vec<Link>>)| pitch * spans as f64 <= SPANS_APART;
         let found = self.by_pitch.iter().find(is_dense_enough).or(self.by_pitch.last());
         &found.expect("a layer has links of at least one distance").1
+    }
+
+    /// Whether there are parts that pins join to others.
+    pub(super) const fn has_divisions(&self) -> bool {
+        !self.divisions.is_empty()
+    }
+
+    /// Separates the parts of divisions that have pins. `pinned`: the triangles with pins.
+    pub(super) fn divide(&mut self, pinned: &[usize]) {
+        if !self.has_divisions() {
+            return;
+        }
+        self.by_pitch.clone_from(&self.undivided);
+        for (_, links) in &mut self.by_pitch {
+            for labels in &self.divisions {
+                let parts = joined_to_pinned(labels, links, pinned);
+                Arc::make_mut(links).retain(|link| {
+                    let [from, to] = link.ends.map(|end| parts[end.triangle as usize]);
+                    from == to
+                });
+            }
+        }
     }
 }
 
@@ -74,7 +111,7 @@ pub(in crate::pipeline) fn rest_links(
             Source::Images(_) | Source::Frame => vec![(1.0, surface_links(&mesh.flat(), &mesh.triangles, radius))],
         };
         let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh };
-        layer.cut(&mut by_pitch)?;
+        let divisions = layer.cut(&mut by_pitch)?;
         layer.join(&mut by_pitch)?;
         let sorted = |(pitch, mut links): (f64, Vec<Link>)| {
             // Solves sort them at every time, which takes less where they are sorted already.
@@ -84,7 +121,11 @@ pub(in crate::pipeline) fn rest_links(
             });
             (pitch, Arc::new(links))
         };
-        all.push(Some(RestLinks { by_pitch: by_pitch.into_iter().map(sorted).collect() }));
+        let by_pitch: Vec<_> = by_pitch.into_iter().map(sorted).collect();
+        let undivided = if divisions.is_empty() { Vec::new() } else { by_pitch.clone() };
+        let mut links = RestLinks { by_pitch, divisions, undivided };
+        links.divide(&[]);
+        all.push(Some(links));
     }
     Ok(all)
 }
@@ -144,74 +185,91 @@ impl LayerLinks<'_> {
         )
     }
 
-    /// Removes the links that cuts separate.
-    fn cut(&self, by_pitch: &mut LinksByPitch) -> Result<(), PipelineError> {
+    /// Removes the links that cuts separate, except those between the parts of divisions, which are returned.
+    fn cut(&self, by_pitch: &mut LinksByPitch) -> Result<Vec<Vec<u32>>, PipelineError> {
+        let mut divisions = Vec::new();
         let count = |by_pitch: &LinksByPitch| by_pitch.last().map_or(0, |(_, links)| links.len());
         for (number, cut) in self.layer().connectivity.cuts.iter().enumerate() {
             let key = format!("cuts[{number}]");
             let before = count(by_pitch);
-            match cut {
-                Cut::Stroke(stroke) => by_pitch.iter_mut().for_each(|(_, links)| self.cut_along(stroke, links)),
-                Cut::Part { nodes, selection, surface } => {
-                    let (is_in, hint) = match self.shot.source {
-                        Source::Scene(_) => (self.named(number, (nodes, selection))?, NAMED_HINT),
-                        Source::Images(_) | Source::Frame => {
-                            (self.painted(&key, selection.mask.as_ref())?, PAINTED_HINT)
-                        }
-                    };
-                    by_pitch.iter_mut().for_each(|(_, links)| self.cut_part(&is_in, *surface, links));
-                    if count(by_pitch) == before {
-                        let count = is_in.iter().filter(|is_in| **is_in).count();
-                        let of = is_in.len();
-                        let what = format!("cut {number} separates nothing: it selects {count} of {of} triangles");
-                        return Err(self.fault(&key, &what, hint));
-                    }
+            let (what, hint) = match cut {
+                Cut::Stroke(stroke) => {
+                    by_pitch.iter_mut().for_each(|(_, links)| self.cut_along(stroke, links));
+                    (format!("stroke {number} cuts nothing"), STROKE_HINT)
                 }
-            }
+                Cut::Part { nodes, selection, surface } => {
+                    let (parts, hint) = match self.shot.source {
+                        Source::Scene(_) => (self.named(number, (nodes, selection))?, NAMED_HINT),
+                        Source::Images(_) | Source::Frame => (self.parts_of_picture(&key, cut)?, PAINTED_HINT),
+                    };
+                    by_pitch.iter_mut().for_each(|(_, links)| self.cut_apart(&parts, *surface, links));
+                    let count = parts.iter().filter(|part| **part == CHOSEN).count();
+                    let of = parts.len();
+                    (format!("cut {number} separates nothing: it selects {count} of {of} triangles"), hint)
+                }
+                Cut::Ids(_) | Cut::Regions(_) => {
+                    let parts = self.parts_of_picture(&key, cut)?;
+                    let count = parts.iter().collect::<BTreeSet<_>>().len();
+                    let is_between = |link: &Link| {
+                        let [from, to] = link.ends.map(|end| parts[end.triangle as usize]);
+                        from != to
+                    };
+                    if by_pitch.iter().any(|(_, links)| links.iter().any(is_between)) {
+                        if cut.is_division() {
+                            divisions.push(parts);
+                        } else {
+                            by_pitch
+                                .iter_mut()
+                                .for_each(|(_, links)| self.cut_apart(&parts, CutSurface::Opened, links));
+                        }
+                        continue;
+                    }
+                    let parts = pluralised(count, "part", "parts");
+                    let hint = if matches!(cut, Cut::Ids(_)) { IDS_HINT } else { REGIONS_HINT };
+                    (format!("cut {number} separates nothing: it divides the picture into {parts}"), hint)
+                }
+            };
             if count(by_pitch) == before {
-                let hint = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
-                return Err(self.fault(&key, &format!("stroke {number} cuts nothing"), hint));
+                return Err(self.fault(&key, &what, hint));
             }
         }
-        Ok(())
+        Ok(divisions)
     }
 
-    /// Returns whether each triangle belongs to the part of a scene that a cut names.
-    fn named(&self, number: usize, rules: (&[String], &Selection)) -> Result<Vec<bool>, PipelineError> {
+    /// Returns [`CHOSEN`] for the triangles of the part of a scene that a cut names.
+    fn named(&self, number: usize, rules: (&[String], &Selection)) -> Result<Vec<u32>, PipelineError> {
         let parts = (self.rest.parts.as_slice(), self.parts);
-        cut_off((self.shot, self.scene), [self.index, number], rules, parts)
+        let is_in = cut_off((self.shot, self.scene), [self.index, number], rules, parts)?;
+        Ok(is_in.into_iter().map(|is_in| if is_in { CHOSEN } else { OTHER }).collect())
     }
 
-    /// Returns whether the middle of each triangle of a picture is painted in a mask that lies over the frame.
-    fn painted(&self, key: &str, mask: Option<&PaintedMask>) -> Result<Vec<bool>, PipelineError> {
-        let Some(mask) = mask else { return Ok(vec![false; self.mesh.triangles.len()]) };
-        let file_key = format!("{key}.mask.file");
-        let map = PaintedMap::read(&mask.file, mask.channel.index());
-        let map = map.map_err(|error| {
-            self.fault(&file_key, &error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
-        })?;
-        let FrameSize { width, height, .. } = self.shot.size;
-        if !map.has_shape_of([width, height]) {
-            let [w, h] = map.size;
-            let what = format!("the mask has {w} x {h} pixels, the picture {width} x {height}");
-            return Err(self.fault(&file_key, &what, "paint it over the picture; other sizes of that shape will do"));
-        }
-        let points = self.mesh.flat();
-        let aspect = self.shot.size.aspect();
-        let is_painted = |corners: &[u32; 3]| {
-            let [x, y] = middle(&points, corners);
-            map.at([(x / aspect) as f32, (1.0 - y) as f32]) > 0.5
+    /// Returns the part of every triangle of a picture.
+    fn parts_of_picture(&self, key: &str, cut: &Cut) -> Result<Vec<u32>, PipelineError> {
+        let node = self.mesh.nodes.first().map_or("", |&node| self.scene.nodes[node].name.as_str());
+        let picture = PictureParts { shot: self.shot, name: node, mesh: self.mesh };
+        let parts = match cut {
+            Cut::Ids(ids) => picture.by_ids(ids),
+            Cut::Regions(lines) => picture.by_regions(lines),
+            Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } => picture.painted(mask),
+            Cut::Part { .. } | Cut::Stroke(_) => {
+                return Ok(vec![OTHER; self.mesh.triangles.len()]);
+            }
         };
-        Ok(self.mesh.triangles.iter().map(is_painted).collect())
+        parts.map_err(|Fault { key: own, what, hint }| self.fault(&format!("{key}.{own}"), &what, &hint))
     }
 
-    /// Removes the links between a part and everything else; a surface that stays whole keeps its own.
-    fn cut_part(&self, is_in: &[bool], surface: CutSurface, links: &mut Vec<Link>) {
+    /// Removes the links between different parts; a surface that stays whole keeps its own.
+    fn cut_apart(&self, parts: &[u32], surface: CutSurface, links: &mut Vec<Link>) {
         links.retain(|link| {
             let [from, to] = link.ends.map(|end| end.triangle as usize);
-            let is_on_surface = link.kind == LinkKind::Edge && self.mesh.nodes[from] == self.mesh.nodes[to];
-            is_in[from] == is_in[to] || surface == CutSurface::Whole && is_on_surface
+            parts[from] == parts[to] || self.is_kept(link, surface)
         });
+    }
+
+    /// Whether a link is part of a surface that stays whole.
+    fn is_kept(&self, link: &Link, surface: CutSurface) -> bool {
+        let [from, to] = link.ends.map(|end| self.mesh.nodes[end.triangle as usize]);
+        surface == CutSurface::Whole && link.kind == LinkKind::Edge && from == to
     }
 
     /// Removes the links that a stroke crosses. Pictures are flat: their x and y are screen coordinates.

@@ -5,7 +5,7 @@
 use crate::pose::{ClipChoice, Pose, pose};
 use crate::scene::Scene;
 use crate::screen::primitive;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The triangles of some parts, numbered consecutively over all parts.
 #[derive(Clone, Debug, Default)]
@@ -46,6 +46,21 @@ impl RestMesh {
     /// Returns the points of a picture, which is flat.
     pub(in crate::pipeline) fn flat(&self) -> Vec<[f64; 2]> {
         self.points.iter().map(|&[x, y, _]| [x, y]).collect()
+    }
+
+    /// Returns the triangle of a flat picture that contains a point, else the one whose middle is nearest; `None` if there are none.
+    pub(super) fn triangle_at(&self, at: DVec2) -> Option<usize> {
+        let corners = |triangle: usize| {
+            self.triangles[triangle].map(|corner| DVec3::from(self.points[corner as usize]).truncate())
+        };
+        let contains = |triangle: &usize| {
+            let [a, b, c] = corners(*triangle);
+            let sides = [(b - a).perp_dot(at - a), (c - b).perp_dot(at - b), (a - c).perp_dot(at - c)];
+            sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+        };
+        let square = |triangle: usize| (corners(triangle).into_iter().sum::<DVec2>() / 3.0).distance_squared(at);
+        let all = 0..self.triangles.len();
+        all.clone().find(contains).or_else(|| all.min_by(|&a, &b| square(a).total_cmp(&square(b))))
     }
 
     /// Collects the triangles of `parts`.

@@ -45,7 +45,7 @@ impl Check<'_> {
                 }
                 Cut::Stroke(stroke.clone())
             }
-            RawCut::Part(part) => self.part_cut(part, key, shot),
+            RawCut::Part(part) => self.picture_cut(part, key, shot).unwrap_or_else(|| self.part_cut(part, key, shot)),
         }
     }
 
@@ -62,7 +62,8 @@ impl Check<'_> {
             }
             Kind::Scene => {}
             Kind::Images if names || selection.mask.is_none() => {
-                let hint = "draw a stroke: [[x, y], [x, y], ..], or paint a mask: { mask = { file = \"arm.png\" } }";
+                let hint = "draw a stroke: [[x, y], [x, y], ..], paint a mask: { mask = { file = \"arm.png\" } }, or give `ids` or \
+                            `regions`";
                 self.fault(key, "only a `scene` has parts with names", hint);
             }
             Kind::Images if selection.mask.as_ref().is_some_and(|mask| mask.uv_set != 0) => {

@@ -8,6 +8,7 @@ mod image;
 mod layer;
 mod mirror;
 mod output;
+mod picture_cuts;
 mod pin;
 mod place;
 mod plate;

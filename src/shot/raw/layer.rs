@@ -175,7 +175,7 @@ pub(in crate::shot) struct RawLattice {
     #[schemars(example = &"plain")]
     pub(in crate::shot) topology: Option<Topology>,
     /// For branching lattices: what separates parts that touch. Strokes across a picture (points in frame heights), or parts of a
-    /// scene.
+    /// scene or picture.
     #[schemars(example = serde_json::json!([[[0.62, 0.40], [0.62, 0.71]]]), example = serde_json::json!([{ "joints": ["LeftArm*"] }]))]
     pub(in crate::shot) cuts: Vec<RawCut>,
     /// For branching lattices of scenes: pairs of patterns of node names; joins the two parts where they are nearest at rest.

@@ -2,7 +2,7 @@
 //!
 //! In: a layer and its scene. Out: [`Rules`], or an error for a name that the scene lacks, with the nearest valid name.
 
-use crate::image::PaintedMap;
+use crate::image::{PaintedMap, are_of_one_shape};
 use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::{Primitive, Scene};
@@ -217,7 +217,7 @@ impl Search<'_> {
             let Some(texture) = material.base_color_texture.filter(|texture| texture.uv_set == set) else { continue };
             let image = &self.scene.images[self.scene.textures[texture.texture].image];
             let size = [image.width, image.height];
-            if map.has_shape_of(size) {
+            if are_of_one_shape(map.size, size) {
                 continue;
             }
             let [[width, height], [w, h]] = [map.size, size];

@@ -1,0 +1,206 @@
+//! The parts into which a mask, ids or the lines of a drawing divide the triangles of a picture.
+//!
+//! In: a cut, a picture as triangles. Out: the part of every triangle, or a [`Fault`].
+
+use super::rest_mesh::RestMesh;
+use crate::image::{
+    ClosedRegions, Drawing, LabelMap, LineRule, NO_LABEL, PaintedMap, Plate, are_of_one_shape, flat_colors, read_any,
+};
+use crate::pipeline::PipelineError;
+use crate::pipeline::pictures::{drawing_in, drawing_of};
+use crate::plate::{PlateError, channel_labels, chosen_labels, cryptomatte_labels};
+use crate::shot::{IdChoice, IdPicture, LineArt, PaintedMask, Shot};
+use crate::space::FrameSize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Number of places along each side of a triangle at which its part is looked up.
+const PLACES: usize = 6;
+
+/// The label of the part that a mask or points choose.
+pub(super) const CHOSEN: u32 = 1;
+
+/// The label of everything else.
+pub(super) const OTHER: u32 = 2;
+
+/// What is wrong with a cut of a picture.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// The key within the cut: `ids.file`.
+    pub(super) key: String,
+    /// The fault.
+    pub(super) what: String,
+    /// How to fix it.
+    pub(super) hint: String,
+}
+
+impl Fault {
+    fn new(key: &str, what: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { key: key.to_owned(), what: what.into(), hint: hint.into() }
+    }
+}
+
+/// A picture of a shot as triangles, which lie on the screen.
+pub(super) struct PictureParts<'a> {
+    /// The shot.
+    pub(super) shot: &'a Shot,
+    /// Name of the picture.
+    pub(super) name: &'a str,
+    /// Its triangles.
+    pub(super) mesh: &'a RestMesh,
+}
+
+impl PictureParts<'_> {
+    /// Returns 1 for the triangles whose middle is painted in a mask that lies over the frame, 2 for the others.
+    pub(super) fn painted(&self, mask: &PaintedMask) -> Result<Vec<u32>, Fault> {
+        let map = PaintedMap::read(&mask.file, mask.channel.index()).map_err(|error| {
+            Fault::new("mask.file", error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
+        })?;
+        self.check_shape("mask", map.size)?;
+        let label = |[u, v]: [f64; 2]| if map.at([u as f32, v as f32]) > 0.5 { CHOSEN } else { OTHER };
+        Ok(self.places(|[a, b, c]| label([0, 1].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0))))
+    }
+
+    /// Returns the part of every triangle by the ids of a picture over the frame.
+    pub(super) fn by_ids(&self, picture: &IdPicture) -> Result<Vec<u32>, Fault> {
+        const KEY: &str = "ids.file";
+        let plate = read_any(&picture.file)
+            .map_err(|error| Fault::new(KEY, error.to_string(), "give a PNG or EXR file of the picture's shape"))?;
+        let FrameSize { width, height, .. } = plate.frame_size();
+        self.check_shape("ids", [width, height])?;
+        let missing = |error: PlateError| missing(&picture.file, error);
+        let map = match &picture.ids {
+            IdChoice::Chosen(matte) => chosen_labels(&plate, matte).map_err(missing)?,
+            IdChoice::EachOfChannel(channel) => channel_labels(&plate, channel).map_err(missing)?,
+            IdChoice::Each(of) => match cryptomatte_labels(&plate, of.as_deref()).map_err(missing)? {
+                Some(map) => map,
+                None => colors_of(&plate, &picture.file)?,
+            },
+        };
+        Ok(self.majority(&map))
+    }
+
+    /// Returns the part of every triangle by the regions that lines close.
+    pub(super) fn by_regions(&self, lines: &LineArt) -> Result<Vec<u32>, Fault> {
+        let found = match &lines.file {
+            Some(file) => drawing_in(self.shot, file),
+            None => drawing_of(self.shot, self.name),
+        };
+        let unread =
+            |what: String| Fault::new("regions.file", what, "give a picture of the lines: a PNG, JPEG or EXR file");
+        let found = found.map_err(|error| match error {
+            PipelineError::Mismatch { what, .. } => unread(what),
+            error => unread(error.to_string()),
+        })?;
+        let (drawing, size) = found.ok_or_else(|| unread("the picture is empty".to_owned()))?;
+        self.check_shape("regions", size)?;
+        let ClosedRegions { mut map, inside, count } = self.regions(&drawing, lines);
+        if count == 0 {
+            let hint = "lower `threshold` if the lines are faint, `gap` if the regions are narrow";
+            return Err(Fault::new("regions", "the drawing has no closed region", hint));
+        }
+        if !lines.at.is_empty() {
+            let chosen = self.regions_at(&lines.at, &inside)?;
+            map.labels.iter_mut().for_each(|label| *label = if chosen.contains(label) { CHOSEN } else { OTHER });
+        }
+        Ok(self.majority(&map))
+    }
+
+    fn regions(&self, drawing: &Drawing, lines: &LineArt) -> ClosedRegions {
+        drawing.regions(LineRule { threshold: lines.threshold, gap: lines.gap })
+    }
+
+    /// Returns the regions that contain points.
+    fn regions_at(&self, points: &[[f64; 2]], inside: &LabelMap) -> Result<Vec<u32>, Fault> {
+        let aspect = self.shot.size.aspect();
+        let region = |(number, &[x, y]): (usize, &[f64; 2])| {
+            let key = format!("regions.at[{number}]");
+            if !(0.0..=aspect).contains(&x) || !(0.0..=1.0).contains(&y) {
+                let what = format!("{x}, {y} lies outside the picture");
+                let hint = format!("give x from 0 to {aspect:.4} and y from 0 to 1, in frame heights, y up");
+                return Err(Fault::new(&key, what, hint));
+            }
+            match inside.at(self.over_picture([x, y])) {
+                NO_LABEL => {
+                    let what = format!("{x}, {y} lies on a line, or outside of what the lines close");
+                    Err(Fault::new(&key, what, "move it into a region; lower `gap` if the region is narrow"))
+                }
+                region => Ok(region),
+            }
+        };
+        points.iter().enumerate().map(region).collect()
+    }
+
+    fn check_shape(&self, key: &str, size: [u32; 2]) -> Result<(), Fault> {
+        let FrameSize { width, height, .. } = self.shot.size;
+        if are_of_one_shape(size, [width, height]) {
+            return Ok(());
+        }
+        let [w, h] = size;
+        let what = match key {
+            "mask" => format!("the mask has {w} x {h} pixels, the picture {width} x {height}"),
+            _ => format!("the file has {w} x {h} pixels, the picture {width} x {height}"),
+        };
+        let hint = "paint it over the picture; other sizes of that shape will do";
+        Err(Fault::new(&format!("{key}.file"), what, hint))
+    }
+
+    /// Returns the part that has most of each triangle; of equal shares, the one with the smaller label.
+    fn majority(&self, map: &LabelMap) -> Vec<u32> {
+        let shares: Vec<[f64; 3]> = (0..PLACES)
+            .flat_map(|i| (0..PLACES - i).map(move |j| [i, j, PLACES - 1 - i - j]))
+            // The middles of equal cells, so that no place lies on a side.
+            .map(|counts| counts.map(|count| (count as f64 + 1.0 / 3.0) / PLACES as f64))
+            .collect();
+        self.places(|corners| {
+            let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+            for shares in &shares {
+                let at = [0, 1].map(|axis| (0..3).map(|k| shares[k] * corners[k][axis]).sum());
+                *counts.entry(map.at(at)).or_default() += 1;
+            }
+            let most = counts.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
+            most.map_or(NO_LABEL, |(label, _)| *label)
+        })
+    }
+
+    /// Looks up every triangle by its corners in the unit square over the picture.
+    fn places(&self, label: impl Fn([[f64; 2]; 3]) -> u32) -> Vec<u32> {
+        let points: Vec<[f64; 2]> = self.mesh.flat().into_iter().map(|point| self.over_picture(point)).collect();
+        self.mesh.triangles.iter().map(|corners| label(corners.map(|corner| points[corner as usize]))).collect()
+    }
+
+    /// Converts a point of the screen to the unit square, y down.
+    fn over_picture(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x / self.shot.size.aspect(), 1.0 - y]
+    }
+}
+
+/// Returns the flat colours of a picture.
+fn colors_of(plate: &Plate, file: &Path) -> Result<LabelMap, Fault> {
+    let fault = |what: String, hint: &str| Err(Fault::new("ids.file", what, hint));
+    match flat_colors(plate) {
+        None => {
+            let what = format!("{} has no colours and no Cryptomatte", file.display());
+            fault(what, "name its channel of ids: id = \"id.object\"")
+        }
+        Some((_, 0)) => {
+            let hint = "fill each part with one colour and save it as PNG or EXR; JPEG changes colours";
+            fault("no colour fills as much as 3 x 3 pixels".to_owned(), hint)
+        }
+        Some((map, _)) => Ok(map),
+    }
+}
+
+/// Says what a file of ids lacks.
+fn missing(file: &Path, error: PlateError) -> Fault {
+    let file = file.display();
+    match error {
+        PlateError::NoMatteChannel { channel, hint, .. } => {
+            Fault::new("ids.id", format!("{file} has no channel \"{channel}\""), hint)
+        }
+        PlateError::NoCryptomatte { wanted, hint, .. } => {
+            Fault::new("ids", format!("no Cryptomatte of {file} contains {wanted}"), hint)
+        }
+        error => Fault::new("ids.file", error.to_string(), "give a PNG or EXR file of the picture's shape"),
+    }
+}
