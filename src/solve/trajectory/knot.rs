@@ -12,6 +12,7 @@ use crate::solve::error::SolveError;
 use crate::solve::linalg::small_matrix::{distance, minus};
 use crate::solve::minimization::{Minimization, MinimizationResult};
 use crate::solve::newton::CachedFactor;
+use crate::solve::point_weights::PointWeights;
 use crate::solve::problem::{PointPin, Problem};
 use crate::solve::rigid_motion::RigidMotion;
 use crate::solve::settings::Settings;
@@ -66,7 +67,7 @@ struct RigidImage<const D: usize> {
 /// A proximal term: it draws the displacements of the points to given ones.
 pub(crate) struct Proximal<const D: usize> {
     pub(crate) displacement: Displacement<D>,
-    pub(crate) weight: f64,
+    pub(crate) weights: PointWeights,
 }
 
 /// How a solve starts.
@@ -201,7 +202,7 @@ impl<const D: usize> Knot<D> {
 
     /// Solves this time without a proximal term, like a single frame.
     pub(crate) fn solve_alone(&mut self, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
-        self.system.set_proximal_targets([], 0.0, cancel)?;
+        self.system.set_proximal_targets([], &PointWeights::ZERO, cancel)?;
         let result = match self.system.follow_winding(&self.path, cancel)? {
             Some(result) => result,
             None => self.system.least(&self.system.own_targets(), None, cancel)?,
@@ -216,24 +217,24 @@ impl<const D: usize> Knot<D> {
         proximal: &Proximal<D>,
         cancel: &Cancel,
     ) -> Result<MinimizationResult<D>, SolveError> {
-        let Proximal { displacement, weight } = proximal;
+        let Proximal { displacement, weights } = proximal;
         if self.rests_at(displacement) {
             return Ok(self.at(displacement));
         }
         self.start_from(displacement);
-        self.solve_proximal((&displacement.points, *weight), Descent::Cold, cancel)
+        self.solve_proximal((&displacement.points, weights), Descent::Cold, cancel)
     }
 
-    /// Solves from the current state with a proximal term of this weight towards the given displacements of the points.
+    /// Solves from the current state with a proximal term of these weights towards the given displacements of the points.
     pub(crate) fn solve_proximal(
         &mut self,
-        (points, weight): (&[[f64; D]], f64),
+        (points, weights): (&[[f64; D]], &PointWeights),
         descent: Descent,
         cancel: &Cancel,
     ) -> Result<MinimizationResult<D>, SolveError> {
         let places = self.rigid.points.iter().zip(points);
         let places = places.map(|(rigid, by)| displaced(&self.in_model, rigid, by));
-        self.system.set_proximal_targets(places, weight, cancel)?;
+        self.system.set_proximal_targets(places, weights, cancel)?;
         let initial = self.handles();
         let targets = self.system.own_targets();
         let minimization = self.system.minimization(&targets, cancel);
@@ -267,15 +268,15 @@ impl<const D: usize> Knot<D> {
         self.rigid.handles.iter().zip(by).map(|(rigid, by)| displaced(&self.in_model, rigid, by)).collect()
     }
 
-    /// Whether the energy with a proximal term of this weight is convex at the present state.
-    pub(crate) fn is_convex(&self, weight: f64) -> bool {
-        self.system.is_convex(&self.handles(), weight, &Cancel::never())
+    /// Whether the energy with a proximal term of these weights is convex at the present state.
+    pub(crate) fn is_convex(&self, weights: &PointWeights) -> bool {
+        self.system.is_convex(&self.handles(), weights, &Cancel::never())
     }
 
     /// Same as [`Self::is_convex`], at the mean of this state and that of the next knot.
-    pub(crate) fn is_convex_halfway(&self, next: &Self, weight: f64) -> bool {
+    pub(crate) fn is_convex_halfway(&self, next: &Self, weights: &PointWeights) -> bool {
         let halfway = self.displacement.interpolated(&self.transferred(&next.displacement), 0.5).handles;
-        self.system.is_convex(&self.displaced_handles(&halfway), weight, &Cancel::never())
+        self.system.is_convex(&self.displaced_handles(&halfway), weights, &Cancel::never())
     }
 
     /// Sets the state to the solved handles. If all pins rest and all points are near rest, the state becomes rest exactly, which
