@@ -82,3 +82,34 @@ impl PointWeights {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_weight_for_each_point_is_that_for_all() {
+        let rows = |weights: &PointWeights| {
+            let mut rows = LeastSquaresRows::<2>::new();
+            (0..3).for_each(|handle| rows.push(1.0 / 3.0, [(handle, 1.0)], [0.0; 2]));
+            let has_changed = weights.share(&mut rows);
+            (has_changed, [0, 1, 2].map(|row| rows.weight(row).to_bits()))
+        };
+        let same = (false, [(1.0_f64 / 3.0).to_bits(); 3]);
+        for weights in [PointWeights::ZERO, PointWeights::Uniform(0.7), PointWeights::Each(vec![0.7; 3])] {
+            assert_eq!(rows(&weights), same, "{weights:?}");
+        }
+        assert_ne!(rows(&PointWeights::Each(vec![0.7, 0.7, 1.4])), same);
+    }
+
+    #[test]
+    fn only_a_higher_weight_changes_a_point() {
+        let mut weights = PointWeights::Uniform(2.0);
+        weights.raise(1, 2.0, 3);
+        assert_eq!(weights, PointWeights::Uniform(2.0));
+        weights.raise(1, 5.0, 3);
+        weights.raise(0, 1.0, 3);
+        assert_eq!(weights, PointWeights::Each(vec![2.0, 5.0, 2.0]));
+        assert_eq!(weights.zip(&PointWeights::Uniform(3.0), f64::max), PointWeights::Each(vec![3.0, 5.0, 3.0]));
+    }
+}
