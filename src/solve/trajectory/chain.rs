@@ -16,6 +16,7 @@
 use super::continuity::Interior;
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
+use super::speed_limits::speed_limits;
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
@@ -23,12 +24,6 @@ use crate::solve::point_weights::PointWeights;
 use crate::solve::winding::Winding;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
-const MOTION_FACTOR: f64 = 2.0;
-
-/// Same as [`MOTION_FACTOR`] for branching lattices, which are watched at the tips of limbs: they move farther than the middle.
-const TIP_MOTION_FACTOR: f64 = 3.0;
 
 /// Largest number of sweeps between two changes of the weights.
 const SWEEPS: usize = 40;
@@ -79,8 +74,8 @@ pub(crate) struct Chain<'a, const D: usize> {
     forward_count: usize,
     /// Initial weight of every interval.
     pub(crate) weight: f64,
-    /// Speed limit of each interval: largest move of a point, in units of the space.
-    limits: Vec<f64>,
+    /// Speed limits of each interval: largest move of each point, in units of the space; none where nothing couples its knots.
+    limits: Vec<Vec<f64>>,
     /// Whether the weight of each interval was raised for the speed limit, and not just beside such intervals.
     is_spread: Vec<bool>,
     /// The hold that each knot belongs to, ascending from 0: consecutive knots with the same problem share one state.
@@ -144,15 +139,14 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
         let per_frame = f64::from(self.coupling.knots_per_frame);
         for pair in self.knots.windows(2).skip(first) {
-            let (weight, limit) = match pair {
+            let (weight, limits) = match pair {
                 [Some(knot), Some(next)] if knot.take == next.take => {
-                    let factor = if have_branches([knot, next]) { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
-                    (self.weight, factor * knot.motion(next) + self.coupling.least_speed / per_frame)
+                    (self.weight, speed_limits(knot, next, self.coupling.least_speed / per_frame))
                 }
-                _ => (0.0, f64::INFINITY),
+                _ => (0.0, Vec::new()),
             };
             self.weights.push(PointWeights::Uniform(weight));
-            self.limits.push(limit);
+            self.limits.push(limits);
             self.is_spread.push(false);
         }
         self.hold_of.clear();
@@ -307,11 +301,12 @@ impl<'a, const D: usize> Chain<'a, D> {
         let mut raised = self.weights.clone();
         for index in 0..self.weights.len() {
             let moves = self.moves(index);
-            for (point, &length) in moves.iter().enumerate().filter(|(_, length)| **length > self.limits[index]) {
-                let excess = length / self.limits[index];
+            let limited = moves.iter().zip(&self.limits[index]).enumerate();
+            for (point, (&length, &limit)) in limited.filter(|(_, (length, limit))| length > limit) {
+                let excess = length / limit;
                 let wanted = self.weights[index].of(point) * (excess * excess).clamp(GROWTH[0], GROWTH[1]);
                 let weight = wanted.min(MAX_SPEED_WEIGHT_FACTOR * self.weight);
-                let [first, last] = self.window(index, length);
+                let [first, last] = self.window((index, point), length);
                 raised[first..=last].iter_mut().for_each(|slot| slot.raise(point, weight, moves.len()));
                 self.is_spread[first..=last].fill(true);
             }
@@ -380,9 +375,10 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
     }
 
-    /// First and last of the intervals around `index` that are needed for a move of this length to stay within their limits.
-    fn window(&self, index: usize, length: f64) -> [usize; 2] {
-        let (mut first, mut last, mut sum) = (index, index, self.limits[index]);
+    /// First and last of the intervals around `index` that a point needs for a move of this length to stay within their limits.
+    fn window(&self, (index, point): (usize, usize), length: f64) -> [usize; 2] {
+        let limit = |index: usize| self.limits[index].get(point).copied().unwrap_or(f64::INFINITY);
+        let (mut first, mut last, mut sum) = (index, index, limit(index));
         let is_coupled = |index: usize| self.weights.get(index).is_some_and(|weights| !weights.is_zero());
         // Nothing is carried across a knot that holds rest.
         let gives_way = |knot: usize| self.knots[knot].as_ref().is_some_and(|knot| !knot.holds_rest);
@@ -390,11 +386,11 @@ impl<'a, const D: usize> Chain<'a, D> {
             let before = sum;
             if first > 0 && is_coupled(first - 1) && gives_way(first) {
                 first -= 1;
-                sum += self.limits[first];
+                sum += limit(first);
             }
             if is_coupled(last + 1) && gives_way(last + 1) {
                 last += 1;
-                sum += self.limits[last];
+                sum += limit(last);
             }
             if sum == before {
                 break;

@@ -13,7 +13,7 @@ use crate::solve::linalg::small_matrix::{distance, minus};
 use crate::solve::minimization::{Minimization, MinimizationResult};
 use crate::solve::newton::CachedFactor;
 use crate::solve::point_weights::PointWeights;
-use crate::solve::problem::{PointPin, Problem};
+use crate::solve::problem::Problem;
 use crate::solve::rigid_motion::RigidMotion;
 use crate::solve::settings::Settings;
 use crate::solve::system::System;
@@ -36,14 +36,14 @@ pub(crate) struct Knot<const D: usize> {
     pub(crate) system: System<D>,
     path: Vec<Targets<D>>,
     /// Rest positions of the model's points, over the upright box.
-    points: Vec<[f64; D]>,
+    pub(super) points: Vec<[f64; D]>,
     /// Angle of the box, in radians.
     pub(crate) angle: f64,
     /// Rotation of the model since the first knot, in radians; that of the box at the first knot.
     pub(crate) model_angle: f64,
     /// The grid, rotated as the box is relative to the frame of the model.
-    in_model: Grid<D>,
-    rigid: RigidImage<D>,
+    pub(super) in_model: Grid<D>,
+    pub(super) rigid: RigidImage<D>,
     factor: CachedFactor,
     /// Whether all pins and handles are at rest.
     pub(crate) is_resting: bool,
@@ -59,9 +59,9 @@ pub(crate) struct Knot<const D: usize> {
 
 /// Images of handles and points under the rigid fit of the pins.
 #[derive(Debug)]
-struct RigidImage<const D: usize> {
+pub(super) struct RigidImage<const D: usize> {
     handles: Vec<[f64; D]>,
-    points: Vec<[f64; D]>,
+    pub(super) points: Vec<[f64; D]>,
 }
 
 /// A proximal term: it draws the displacements of the points to given ones.
@@ -295,31 +295,6 @@ impl<const D: usize> Knot<D> {
             self.displacement.handles.fill([0.0; D]);
             self.displacement.points.fill([0.0; D]);
         }
-    }
-
-    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot, in
-    /// the frame of the model. A prescribed gradient moves what lies within a span of its pin, or within its region.
-    pub(crate) fn motion(&self, next: &Self) -> f64 {
-        let distance = |a: &[f64; D], b: &[f64; D]| {
-            distance(&self.in_model.point_from_upright(*a), &next.in_model.point_from_upright(*b))
-        };
-        let farthest =
-            |a: &[[f64; D]], b: &[[f64; D]]| a.iter().zip(b).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
-        let surface = farthest(&self.points, &next.points).max(farthest(&self.rigid.points, &next.rigid.points));
-        let (Some(from), Some(to)) = (self.goal(), next.goal()) else { return surface };
-        if from.pins.len() != to.pins.len() || from.handles.len() != to.handles.len() {
-            return surface;
-        }
-        let span = (0..D).map(|axis| self.grid().spacing(axis)).fold(0.0, f64::max);
-        let spin = |(a, b): (&PointPin<D>, &PointPin<D>)| {
-            let (from, to) = (a.gradient?, b.gradient?);
-            let change = from.as_flattened().iter().zip(to.as_flattened()).map(|(from, to)| (to - from).powi(2));
-            Some(change.sum::<f64>().sqrt() * b.region.map_or(span, |region| region.radius.max(span)))
-        };
-        let spins = from.pins.iter().zip(&to.pins).filter_map(spin);
-        let pins = from.pins.iter().zip(&to.pins).map(|(a, b)| distance(&a.target, &b.target)).chain(spins);
-        let handles = from.handles.iter().zip(&to.handles).map(|(a, b)| distance(&a.target, &b.target));
-        pins.chain(handles).fold(surface, f64::max)
     }
 }
 

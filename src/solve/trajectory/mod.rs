@@ -10,6 +10,7 @@ mod continuity;
 mod displacement;
 mod knot;
 mod solved_knots;
+mod speed_limits;
 mod timeline;
 
 pub(crate) use timeline::knots_per_gib;
