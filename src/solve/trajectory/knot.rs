@@ -9,7 +9,7 @@ use super::timeline::TimedProblem;
 use crate::lattice::Grid;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
-use crate::solve::linalg::small_matrix::{distance, minus};
+use crate::solve::linalg::small_matrix::minus;
 use crate::solve::minimization::{Minimization, MinimizationResult};
 use crate::solve::newton::CachedFactor;
 use crate::solve::point_weights::PointWeights;

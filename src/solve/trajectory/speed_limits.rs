@@ -82,8 +82,8 @@ fn rests_and_targets<const D: usize>(knot: &Knot<D>, goal: &Targets<D>) -> Vec<[
 
 /// How far the change of a pin's prescribed gradient moves what is around it.
 fn spin<const D: usize>(from: &PointPin<D>, to: &PointPin<D>, span: f64) -> Option<f64> {
-    let reach = to.region.map_or(span, |region| region.radius.max(span));
+    let radius = to.region.map_or(span, |region| region.radius.max(span));
     let (from, to) = (from.gradient?, to.gradient?);
     let change = from.as_flattened().iter().zip(to.as_flattened()).map(|(from, to)| (to - from).powi(2));
-    Some(change.sum::<f64>().sqrt() * reach)
+    Some(change.sum::<f64>().sqrt() * radius)
 }
