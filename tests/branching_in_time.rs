@@ -135,7 +135,14 @@ impl Motion<'_> {
 
 /// Farthest move of a point, pixels.
 fn farthest(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max) / PIXEL
+    moves(a, b).last().copied().unwrap_or(0.0)
+}
+
+/// Moves of all points, pixels, ascending.
+fn moves(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<f64> {
+    let mut moves: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]) / PIXEL).collect();
+    moves.sort_by(f64::total_cmp);
+    moves
 }
 
 fn coupling() -> Coupling {
@@ -219,20 +226,48 @@ fn no_order_and_no_thread_changes_a_bit_of_copies() {
     assert!(of(first) == of(read));
 }
 
+/// How far all points lie at a time from where they lie if that time is solved alone, pixels, ascending.
+fn off_alone(motion: &Motion, time: f64) -> Vec<f64> {
+    let scene = motion.scene;
+    let problem = scene.at(time).expect("a problem").expect("pins act");
+    let Targets { pins, handles } = &problem.path[0];
+    let bare = Problem { grid: &problem.grid, shape: &problem.shape, pins, handles, settings: &scene.settings };
+    moves(&motion.points(time), &scene.images(&solve(&bare).expect("solved"), time))
+}
+
 #[test]
 fn states_between_frames_are_near_those_solved_alone() {
     let girl = Puppet::girl();
     let scene = Scene::new(&girl, girl.raised(), [16, 20]);
     let trajectory = Trajectory::solve(&scene, coupling(), &Cancel::never()).expect("solved");
     let motion = Motion { scene: &scene, trajectory };
-    // The tip of the arm comes to rest faster than the speed limit allows, so its motion is spread over the last frames.
-    for (time, limit) in [(0.0, 12.0), (4.0, 12.0), (4.5, 12.0), (10.0, 20.0)] {
-        let problem = scene.at(time).expect("a problem").expect("pins act");
-        let Targets { pins, handles } = &problem.path[0];
-        let bare = Problem { grid: &problem.grid, shape: &problem.shape, pins, handles, settings: &scene.settings };
-        let alone = scene.images(&solve(&bare).expect("solved"), time);
-        let off = farthest(&motion.points(time), &alone);
-        println!("at {time}: {off:.2} px from the solve alone");
-        assert!(off < limit, "{off} px at {time}");
+    // The tip of the arm comes to rest faster than the speed limit allows: it is asked to move by 46 px in the last frame, and moves
+    // by 27.
+    for (time, limit) in [(0.0, 12.0), (4.0, 12.0), (4.5, 12.0), (10.0, 12.0)] {
+        let off = off_alone(&motion, time);
+        let (median, farthest) = (off[off.len() / 2], off[off.len() - 1]);
+        println!("at {time}: {farthest:.2} px from the solve alone, half of the points by at most {median:.2}");
+        assert!(farthest < limit, "{farthest} px at {time}");
+    }
+}
+
+#[test]
+fn a_limb_that_snaps_does_not_hold_back_the_others() {
+    let girl = Puppet::girl();
+    let girl = Scene::new(&girl, girl.raised(), [16, 20]);
+    // Median and nine tenths of all points, pixels; with one weight for all points 2.2 and 7.9, 4.1 and 10.4, 2.2 and 5.4.
+    for (name, scene, limits) in [
+        ("the girl", girl, [0.8, 6.0]),
+        ("figure 17", random_scene(17), [0.6, 4.0]),
+        ("figure 56", random_scene(56), [0.6, 3.0]),
+    ] {
+        let trajectory = Trajectory::solve(&scene, coupling(), &Cancel::never()).expect("solved");
+        assert!(!trajectory.spreads().is_empty(), "{name} snaps");
+        let motion = Motion { scene: &scene, trajectory };
+        let off = [3.0, 6.0, 9.0, 10.0].map(|time| off_alone(&motion, time));
+        let greatest = |part: f64| off.iter().map(|off| off[(off.len() as f64 * part) as usize]).fold(0.0, f64::max);
+        let found = [greatest(0.5), greatest(0.9)];
+        println!("{name}: half of the points are off by at most {:.2} px, nine tenths by {:.2}", found[0], found[1]);
+        assert!(found[0] < limits[0] && found[1] < limits[1], "{name}: {found:?} px");
     }
 }

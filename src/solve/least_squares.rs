@@ -58,6 +58,11 @@ impl<const D: usize> LeastSquaresRows<D> {
         self.targets[row] = target;
     }
 
+    /// Replaces the weight of a row.
+    pub(crate) fn set_weight(&mut self, row: usize, weight: f64) {
+        self.weights[row] = weight;
+    }
+
     /// Weight of a row.
     pub(crate) fn weight(&self, row: usize) -> f64 {
         self.weights[row]

@@ -26,6 +26,7 @@ mod newton_cg;
 mod overdetermined;
 mod pin_residuals;
 mod pins;
+mod point_weights;
 mod prefactored;
 mod problem;
 pub mod problem_file;

@@ -14,6 +14,7 @@ use super::linalg::normal_matrix::NormalMatrix;
 use super::linalg::small_matrix::distance;
 use super::minimization::{FinalPhase, Minimization, MinimizationResult};
 use super::pin_residuals::Evidence;
+use super::point_weights::PointWeights;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
 use super::problem::{HandlePin, ModelPoint, PointPin, Problem, Shape};
 use super::regularizer::RegularizerTerm;
@@ -242,33 +243,37 @@ impl<const D: usize> System<D> {
         softened
     }
 
-    /// Draws the points of the proximal term to `places` with the given weight.
+    /// Draws the points of the proximal term to `places` with the given weights.
     pub(crate) fn set_proximal_targets(
         &mut self,
         places: impl IntoIterator<Item = [f64; D]>,
-        weight: f64,
+        weights: &PointWeights,
         cancel: &Cancel,
     ) -> Result<(), SolveError> {
         places.into_iter().enumerate().for_each(|(row, place)| self.terms.proximal.set_target(row, place));
-        if weight == self.scales.proximal || self.terms.proximal.len() == 0 {
+        let scale = weights.greatest();
+        let has_changed = weights.share(&mut self.terms.proximal);
+        if !has_changed && scale == self.scales.proximal || self.terms.proximal.len() == 0 {
             return Ok(());
         }
-        self.scales.proximal = weight;
+        self.scales.proximal = scale;
         let mut normal = self.constant.clone();
-        self.terms.proximal.add_normal(weight, &mut normal, cancel);
+        self.terms.proximal.add_normal(scale, &mut normal, cancel);
         self.terms.yielding = None;
         self.prefactored = Prefactored::new(normal, &self.terms, &self.pins, &self.settings, cancel)?;
         self.apply_yielding(cancel)
     }
 
-    /// Whether the second derivative of the energy with a proximal term of the given weight is positive definite at `handles`.
+    /// Whether the second derivative of the energy with a proximal term of the given weights is positive definite at `handles`.
     /// True if the energy does not implement its second derivative.
-    pub(crate) fn is_convex(&self, handles: &[[f64; D]], weight: f64, cancel: &Cancel) -> bool {
+    pub(crate) fn is_convex(&self, handles: &[[f64; D]], weights: &PointWeights, cancel: &Cancel) -> bool {
         if self.distortion.flops().is_none() || self.terms.proximal.len() == 0 {
             return true;
         }
         let mut normal = self.softened(&self.constant, &self.terms, cancel);
-        self.terms.proximal.add_normal(weight, &mut normal, cancel);
+        let mut proximal = self.terms.proximal.clone();
+        weights.share(&mut proximal);
+        proximal.add_normal(weights.greatest(), &mut normal, cancel);
         let mut second = normal.kron_identity::<D>(Vec::new());
         let hessian = RotationHessian { scale: self.scales.shape, limit: f64::INFINITY };
         self.distortion.subtract_rotation_hessian(handles, hessian, &mut second, cancel);
@@ -297,6 +302,7 @@ impl<const D: usize> System<D> {
         let weight = INTERPOLATION * self.scales.shape * self.distortion.mass();
         let mut displacements = vec![[0.0; D]; known.len()];
         let mut rows = self.terms.proximal.clone();
+        PointWeights::Uniform(weight).share(&mut rows);
         points.iter().enumerate().for_each(|(row, point)| rows.set_target(row, *point));
         rows.add_normal(weight, &mut normal, cancel);
         rows.add_right_side(weight, &mut displacements);

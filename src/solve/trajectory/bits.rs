@@ -8,6 +8,7 @@ use super::displacement::Displacement;
 use super::solved_knots::SolvedKnots;
 use super::{Coupling, Spread, Trajectory};
 use crate::solve::branching::CopyName;
+use crate::solve::point_weights::PointWeights;
 
 /// Stands in place of the number of handles for a knot without a state.
 const NO_STATE: u64 = u64::MAX;
@@ -43,8 +44,8 @@ impl<const D: usize> Trajectory<D> {
             }
         }
         out.count(weights.len());
-        out.floats(weights);
-        out.floats(&self.interior_weights);
+        weights.iter().for_each(|weights| out.weights(weights));
+        out.floats(&self.interior_factors);
         out.count(self.spreads.len());
         self.spreads.iter().for_each(|spread| out.floats(&[spread.frames[0], spread.frames[1], spread.speed]));
         out.0
@@ -71,13 +72,24 @@ impl<const D: usize> Trajectory<D> {
             model_angles.push(rest.float()?);
             states.push(rest.state()?);
         }
-        let intervals = rest.count(2)?;
-        let [weights, interior_weights] = [rest.floats(intervals)?, rest.floats(intervals)?];
+        let intervals = rest.count(3)?;
+        let weights = (0..intervals).map(|_| rest.weights()).collect::<Option<Vec<_>>>()?;
+        let interior_factors = rest.floats(intervals)?;
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
-        let is_whole = rest.0.is_empty() && weights.len() == states.len().saturating_sub(1);
+        let is_whole =
+            rest.0.is_empty() && weights.len() == states.len().saturating_sub(1) && have_points(&weights, &states);
         let knots = SolvedKnots { coupling, states, model_angles, drawings, takes, weights };
-        is_whole.then_some(Self { knots, interior_weights, weight, spreads: spreads? })
+        is_whole.then_some(Self { knots, interior_factors, weight, spreads: spreads? })
     }
+}
+
+/// Whether weights of each point in an interval belong to as many points as the states at its ends have.
+fn have_points<const D: usize>(weights: &[PointWeights], states: &[Option<Displacement<D>>]) -> bool {
+    let fits = |weights: &PointWeights, state: &Option<Displacement<D>>| match (weights, state) {
+        (PointWeights::Each(weights), Some(state)) => weights.len() == state.points.len(),
+        _ => true,
+    };
+    weights.iter().zip(states.windows(2)).all(|(weights, ends)| ends.iter().all(|state| fits(weights, state)))
 }
 
 struct Bytes(Vec<u8>);
@@ -89,6 +101,20 @@ impl Bytes {
 
     fn count(&mut self, count: usize) {
         self.word(count as u64);
+    }
+
+    /// Writes one number for all points as that of no points.
+    fn weights(&mut self, weights: &PointWeights) {
+        match weights {
+            PointWeights::Uniform(weight) => {
+                self.count(0);
+                self.floats(&[*weight]);
+            }
+            PointWeights::Each(weights) => {
+                self.count(weights.len());
+                self.floats(weights);
+            }
+        }
     }
 
     fn floats(&mut self, values: &[f64]) {
@@ -150,6 +176,13 @@ impl Reader<'_> {
         Some(Some(Displacement { handles, copies, points: self.places(points)?, box_angle: self.float()? }))
     }
 
+    fn weights(&mut self) -> Option<PointWeights> {
+        match self.count(1)? {
+            0 => self.float().map(PointWeights::Uniform),
+            count => self.floats(count).map(PointWeights::Each),
+        }
+    }
+
     fn copy(&mut self) -> Option<CopyName> {
         let [handle, triangle] = [self.word()?, self.word()?].map(usize::try_from);
         Some(CopyName { handle: handle.ok()?, triangle: triangle.ok()? })
@@ -180,11 +213,11 @@ mod tests {
             model_angles: vec![0.0, -0.0, 3.5, 1e-17],
             drawings: vec![3, -1, i64::MAX, 0],
             takes: vec![0, 1, 1, i64::MAX],
-            weights: vec![0.0, 0.0, 12.5],
+            weights: vec![PointWeights::ZERO, PointWeights::Uniform(0.1), PointWeights::Each(vec![12.5, -0.0])],
         };
         Trajectory {
             knots,
-            interior_weights: vec![0.0, 0.0, 200.0],
+            interior_factors: vec![1.0, 1.0, 256.0],
             weight: 0.6,
             spreads: vec![Spread { frames: [2.5, 3.0], speed: 0.01 }],
         }

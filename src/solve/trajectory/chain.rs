@@ -16,18 +16,14 @@
 use super::continuity::Interior;
 use super::displacement::Displacement;
 use super::knot::{Descent, Knot};
+use super::speed_limits::speed_limits;
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
+use crate::solve::point_weights::PointWeights;
 use crate::solve::winding::Winding;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Permitted motion of the model between two knots, as a multiple of the motion of pins, surface and rigid fit.
-const MOTION_FACTOR: f64 = 2.0;
-
-/// Same as [`MOTION_FACTOR`] for branching lattices, which are watched at the tips of limbs: they move farther than the middle.
-const TIP_MOTION_FACTOR: f64 = 3.0;
 
 /// Largest number of sweeps between two changes of the weights.
 const SWEEPS: usize = 40;
@@ -71,15 +67,15 @@ const GROWTH: [f64; 2] = [1.5, 30.0];
 pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
     /// ω of each interval, per squared unit of the space.
-    pub(crate) weights: Vec<f64>,
+    pub(crate) weights: Vec<PointWeights>,
     /// Number of leading knots that are final: 0 in the first window, then 1, the last knot of the previous window.
     settled: usize,
     /// Number of knots that the forward pass has solved.
     forward_count: usize,
     /// Initial weight of every interval.
     pub(crate) weight: f64,
-    /// Speed limit of each interval: largest move of a point, in units of the space.
-    limits: Vec<f64>,
+    /// Speed limits of each interval: largest move of each point, in units of the space; none where nothing couples its knots.
+    limits: Vec<Vec<f64>>,
     /// Whether the weight of each interval was raised for the speed limit, and not just beside such intervals.
     is_spread: Vec<bool>,
     /// The hold that each knot belongs to, ascending from 0: consecutive knots with the same problem share one state.
@@ -143,15 +139,14 @@ impl<'a, const D: usize> Chain<'a, D> {
         }
         let per_frame = f64::from(self.coupling.knots_per_frame);
         for pair in self.knots.windows(2).skip(first) {
-            let (weight, limit) = match pair {
+            let (weight, limits) = match pair {
                 [Some(knot), Some(next)] if knot.take == next.take => {
-                    let factor = if have_branches([knot, next]) { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
-                    (self.weight, factor * knot.motion(next) + self.coupling.least_speed / per_frame)
+                    (self.weight, speed_limits(knot, next, self.coupling.least_speed / per_frame))
                 }
-                _ => (0.0, f64::INFINITY),
+                _ => (0.0, Vec::new()),
             };
-            self.weights.push(weight);
-            self.limits.push(limit);
+            self.weights.push(PointWeights::Uniform(weight));
+            self.limits.push(limits);
             self.is_spread.push(false);
         }
         self.hold_of.clear();
@@ -182,7 +177,7 @@ impl<'a, const D: usize> Chain<'a, D> {
         let interiors = self.interiors(intervals);
         let settled = self.weights.drain(..intervals).zip(interiors).zip(self.is_spread.drain(..intervals));
         let mut settled =
-            settled.map(|((weight, interior), is_spread)| SettledInterval { weight, interior, is_spread });
+            settled.map(|((weights, interior), is_spread)| SettledInterval { weights, interior, is_spread });
         let front = self.knots.drain(..count).map(|knot| SettledKnot {
             drawing: knot.as_ref().map_or(0, |knot| knot.drawing),
             take: knot.as_ref().map_or(0, |knot| knot.take),
@@ -225,7 +220,7 @@ impl<'a, const D: usize> Chain<'a, D> {
     fn pass_forward(&mut self, passed: &dyn Fn()) -> Result<(), SolveError> {
         for index in self.forward_count..self.knots.len() {
             passed();
-            let weight = weights_beside(&self.weights, index).iter().sum();
+            let weights = sum(weights_beside(&self.weights, index));
             let (before, rest) = self.knots.split_at_mut(index);
             let before = in_take(before.last(), rest[0].as_ref());
             let Some(knot) = rest[0].as_mut().filter(|knot| !knot.holds_rest) else { continue };
@@ -236,7 +231,7 @@ impl<'a, const D: usize> Chain<'a, D> {
                 Some(before) => {
                     knot.start_from(&before.displacement);
                     let points = &before.displacement.points;
-                    knot.solve_proximal((points, weight), Descent::Cold, self.cancel)?;
+                    knot.solve_proximal((points, &weights), Descent::Cold, self.cancel)?;
                 }
                 None => {
                     knot.solve_alone(self.cancel)?;
@@ -286,8 +281,10 @@ impl<'a, const D: usize> Chain<'a, D> {
             let Some(knot) = knot.as_mut().filter(|_| range.start >= settled) else {
                 return Ok((*hold, Relaxed::NONE));
             };
-            let beside = [weights_beside(weights, range.start)[0], weights_beside(weights, range.end - 1)[1]];
-            Ok((*hold, relax(knot, states, beside.map(|weight| weight / range.len() as f64))?))
+            let [before, _] = weights_beside(weights, range.start);
+            let [_, after] = weights_beside(weights, range.end - 1);
+            let beside = [before, after].map(|weights| weights.map(|weight| weight / range.len() as f64));
+            Ok((*hold, relax(knot, states, &beside)?))
         });
         let moves = relaxed.collect();
         for (_, range, knot) in taken {
@@ -299,16 +296,20 @@ impl<'a, const D: usize> Chain<'a, D> {
         moves
     }
 
-    /// Raises the weights where the model moves too far between two knots. Returns true if any weight has changed.
+    /// Raises the weights of points that move too far between two knots. Returns true if any weight has changed.
     fn raise_weights(&mut self) -> bool {
-        let excess: Vec<f64> = (0..self.weights.len()).map(|index| self.excess(index)).collect();
         let mut raised = self.weights.clone();
-        for (index, &excess) in excess.iter().enumerate().filter(|(_, excess)| **excess > 1.0) {
-            let wanted = self.weights[index] * (excess * excess).clamp(GROWTH[0], GROWTH[1]);
-            let weight = wanted.min(MAX_SPEED_WEIGHT_FACTOR * self.weight);
-            let [first, last] = self.window(index, excess * self.limits[index]);
-            raised[first..=last].iter_mut().for_each(|slot| *slot = slot.max(weight));
-            self.is_spread[first..=last].fill(true);
+        for index in 0..self.weights.len() {
+            let moves = self.moves(index);
+            let limited = moves.iter().zip(&self.limits[index]).enumerate();
+            for (point, (&length, &limit)) in limited.filter(|(_, (length, limit))| length > limit) {
+                let excess = length / limit;
+                let wanted = self.weights[index].of(point) * (excess * excess).clamp(GROWTH[0], GROWTH[1]);
+                let weight = wanted.min(MAX_SPEED_WEIGHT_FACTOR * self.weight);
+                let [first, last] = self.window((index, point), length);
+                raised[first..=last].iter_mut().for_each(|slot| slot.raise(point, weight, moves.len()));
+                self.is_spread[first..=last].fill(true);
+            }
         }
         self.taper(&mut raised);
         let is_raised = raised != self.weights;
@@ -317,13 +318,15 @@ impl<'a, const D: usize> Chain<'a, D> {
     }
 
     /// Raises weights beside higher ones to a fraction of these: a snap would otherwise move to the weaker neighbouring interval.
-    fn taper(&self, raised: &mut [f64]) {
-        let is_coupled = |index: usize| self.weights[index] > 0.0;
+    fn taper(&self, raised: &mut [PointWeights]) {
+        let is_coupled = |index: usize| !self.weights[index].is_zero();
+        let tapered =
+            |own: &PointWeights, beside: &PointWeights| own.zip(beside, |own, beside| own.max(TAPER * beside));
         for index in (1..raised.len()).filter(|&index| is_coupled(index)) {
-            raised[index] = raised[index].max(TAPER * raised[index - 1]);
+            raised[index] = tapered(&raised[index], &raised[index - 1]);
         }
         for index in (1..raised.len()).rev().filter(|&index| is_coupled(index - 1)) {
-            raised[index - 1] = raised[index - 1].max(TAPER * raised[index]);
+            raised[index - 1] = tapered(&raised[index - 1], &raised[index]);
         }
     }
 
@@ -332,11 +335,12 @@ impl<'a, const D: usize> Chain<'a, D> {
         let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
         let is_searched = handles.max().is_none_or(|count| count <= MAX_SEARCHED_HANDLES);
         let (knots, weights, hold_of) = (&self.knots, &self.weights, &self.hold_of);
+        let convex = |weight: f64| CONVEX_FACTOR * weight;
         // Both adjacent intervals use what is known of a knot.
         let at_knot = |index: usize| {
-            let coupled = weights_beside(weights, index).into_iter().filter(|&weight| weight > 0.0);
-            let least = coupled.min_by(f64::total_cmp);
-            least.zip(knots[index].as_ref()).is_none_or(|(weight, knot)| knot.is_convex(CONVEX_FACTOR * weight))
+            let coupled = weights_beside(weights, index).into_iter().filter(|weights| !weights.is_zero());
+            let least = coupled.cloned().reduce(|a, b| a.zip(&b, f64::min)).map(|least| least.map(convex));
+            least.zip(knots[index].as_ref()).is_none_or(|(weights, knot)| knot.is_convex(&weights))
         };
         let is_convex_at: Vec<bool> = (0..knots.len().min(count + 1)).into_par_iter().map(at_knot).collect();
         let least_speed = self.coupling.least_speed;
@@ -352,7 +356,7 @@ impl<'a, const D: usize> Chain<'a, D> {
             }
             let is_convex = is_convex_at[index]
                 && is_convex_at[index + 1]
-                && knot.is_convex_halfway(next, CONVEX_FACTOR * weights[index]);
+                && knot.is_convex_halfway(next, &weights[index].map(convex));
             match (is_convex, is_steady(knots, index, least_speed)) {
                 (true, true) => Interior::Coupled,
                 _ if !is_searched || have_branches([knot, next]) => Interior::Interpolated,
@@ -363,29 +367,30 @@ impl<'a, const D: usize> Chain<'a, D> {
         (0..count).into_par_iter().map(interior).collect()
     }
 
-    /// Ratio of the motion in an interval to its speed limit.
-    fn excess(&self, index: usize) -> f64 {
+    /// How far each point moves in an interval, relative to the rigid fit.
+    fn moves(&self, index: usize) -> Vec<f64> {
         match &self.knots[index..=index + 1] {
-            [Some(knot), Some(next)] => knot.displacement.farthest(&next.displacement) / self.limits[index],
-            _ => 0.0,
+            [Some(knot), Some(next)] => knot.displacement.distances(&next.displacement).collect(),
+            _ => Vec::new(),
         }
     }
 
-    /// First and last of the intervals around `index` that are needed for a move of this length to stay within their limits.
-    fn window(&self, index: usize, length: f64) -> [usize; 2] {
-        let (mut first, mut last, mut sum) = (index, index, self.limits[index]);
-        let is_coupled = |index: usize| self.weights.get(index).is_some_and(|&weight| weight > 0.0);
+    /// First and last of the intervals around `index` that a point needs for a move of this length to stay within their limits.
+    fn window(&self, (index, point): (usize, usize), length: f64) -> [usize; 2] {
+        let limit = |index: usize| self.limits[index].get(point).copied().unwrap_or(f64::INFINITY);
+        let (mut first, mut last, mut sum) = (index, index, limit(index));
+        let is_coupled = |index: usize| self.weights.get(index).is_some_and(|weights| !weights.is_zero());
         // Nothing is carried across a knot that holds rest.
         let gives_way = |knot: usize| self.knots[knot].as_ref().is_some_and(|knot| !knot.holds_rest);
         while sum < length {
             let before = sum;
             if first > 0 && is_coupled(first - 1) && gives_way(first) {
                 first -= 1;
-                sum += self.limits[first];
+                sum += limit(first);
             }
             if is_coupled(last + 1) && gives_way(last + 1) {
                 last += 1;
-                sum += self.limits[last];
+                sum += limit(last);
             }
             if sum == before {
                 break;
@@ -412,7 +417,7 @@ pub(crate) struct SettledKnot<const D: usize> {
 /// An interval removed from the chain.
 pub(crate) struct SettledInterval {
     /// ω.
-    pub(crate) weight: f64,
+    pub(crate) weights: PointWeights,
     /// How times within it are solved.
     pub(crate) interior: Interior,
     /// Whether a fast motion is spread over it.
@@ -446,9 +451,14 @@ fn state<const D: usize>(knots: &[Option<Knot<D>>], index: Option<usize>) -> Opt
 }
 
 /// The weights of the intervals before and after a knot; 0 where there is none.
-fn weights_beside(weights: &[f64], index: usize) -> [f64; 2] {
-    let weight = |interval: Option<usize>| interval.and_then(|interval| weights.get(interval)).copied().unwrap_or(0.0);
-    [weight(index.checked_sub(1)), weight(Some(index))]
+fn weights_beside(weights: &[PointWeights], index: usize) -> [&PointWeights; 2] {
+    let of =
+        |interval: Option<usize>| interval.and_then(|interval| weights.get(interval)).unwrap_or(&PointWeights::ZERO);
+    [of(index.checked_sub(1)), of(Some(index))]
+}
+
+fn sum([a, b]: [&PointWeights; 2]) -> PointWeights {
+    a.zip(b, |a, b| a + b)
 }
 
 /// What a relaxation has done to a knot.
@@ -468,18 +478,18 @@ impl Relaxed {
 fn relax<const D: usize>(
     knot: &mut Knot<D>,
     states: [Option<&Displacement<D>>; 2],
-    weights: [f64; 2],
+    [start, end]: &[PointWeights; 2],
 ) -> Result<Relaxed, SolveError> {
-    let weight = weights[0] + weights[1];
-    if weight == 0.0 || knot.holds_rest {
+    let weights = sum([start, end]);
+    if weights.is_zero() || knot.holds_rest {
         return Ok(Relaxed::NONE);
     }
     let drawn_to = match states {
-        [Some(before), Some(after)] => before.interpolated(after, weights[1] / weight),
-        [Some(only), None] | [None, Some(only)] => only.clone(),
+        [Some(before), Some(after)] => before.points_between(after, |point| end.of(point) / weights.of(point)),
+        [Some(only), None] | [None, Some(only)] => only.points.clone(),
         [None, None] => return Ok(Relaxed::NONE),
     };
     let before = knot.displacement.clone();
-    let result = knot.solve_proximal((&drawn_to.points, weight), Descent::Warm, &Cancel::never())?;
+    let result = knot.solve_proximal((&drawn_to, &weights), Descent::Warm, &Cancel::never())?;
     Ok(Relaxed { moved: before.farthest(&knot.displacement), is_converged: result.is_converged })
 }

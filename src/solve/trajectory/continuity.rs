@@ -1,7 +1,7 @@
 //! Search for jumps in the motion between two knots, by recursive bisection in time.
 //!
-//! In: solved knots, the problem at any time between two of them. Out: the weight of the proximal term between
-//! them with which no jump is found, or the largest.
+//! In: solved knots, the problem at any time between two of them. Out: the weight of the proximal term between them with which no
+//! jump is found, or the largest, as a multiple of that which couples the knots.
 //!
 //! The state halfway between two times is compared with the mean of the states at these times, and with the parabola through
 //! three states of the interval one level up. For smooth motion the differences fall by factors of four and eight with every
@@ -56,18 +56,17 @@ impl Interior {
     /// The same where the energy is convex.
     pub(super) const UNLIKELY_JUMP: Self = Self::Searched { min_depth: 0 };
 
-    /// The weight within an interval.
-    pub(super) fn weight<const D: usize>(
+    /// The weight within an interval, as a multiple of that which couples the knots.
+    pub(super) fn factor<const D: usize>(
         self,
         knots: &SolvedKnots<D>,
         index: usize,
         probe: &dyn Fn(f64) -> Option<Knot<D>>,
     ) -> f64 {
-        let coupling = knots.weights[index];
         match self {
-            Self::Coupled => coupling,
-            Self::Searched { min_depth } => Interval::new(knots, index, min_depth, probe).continuous_weight(),
-            Self::Interpolated => coupling * FACTORS[FACTORS.len() - 1],
+            Self::Coupled => FACTORS[0],
+            Self::Searched { min_depth } => Interval::new(knots, index, min_depth, probe).continuous_factor(),
+            Self::Interpolated => FACTORS[FACTORS.len() - 1],
         }
     }
 }
@@ -104,27 +103,25 @@ impl<'a, const D: usize> Interval<'a, D> {
         Self { knots, index, probe, probed: Vec::new(), tolerance, min_depth }
     }
 
-    /// The smallest of the tried weights with which no jump is found. If there is none, the largest, which shortens jumps of the energy
-    /// most; that of the knots if it does not, because the targets of pins jump.
-    fn continuous_weight(&mut self) -> f64 {
-        let initial = self.knots.weights[self.index];
-        let tried = FACTORS.map(|factor| factor * initial);
-        if let Some(&weight) = tried.iter().find(|&&weight| self.is_continuous(weight)) {
-            return weight;
+    /// The smallest of the tried factors with which no jump is found. If there is none, the largest, which shortens jumps of the energy
+    /// most; that of the knots, 1, if it does not, because the targets of pins jump.
+    fn continuous_factor(&mut self) -> f64 {
+        if let Some(factor) = FACTORS.into_iter().find(|&factor| self.is_continuous(factor)) {
+            return factor;
         }
-        let largest = tried[FACTORS.len() - 1];
+        let [initial, .., largest] = FACTORS;
         let is_shorter = self.longest_jump(largest) < SHORTER * self.longest_jump(initial);
         if is_shorter { largest } else { initial }
     }
 
     /// How far a point moves in the shortest part of the interval, found by halving that part in which it moves farther.
-    fn longest_jump(&mut self, weight: f64) -> f64 {
+    fn longest_jump(&mut self, factor: f64) -> f64 {
         let knots = self.knots;
         let [Some(before), Some(after)] = &knots.states[self.index..=self.index + 1] else { return 0.0 };
         let (mut times, mut states) = ([0.0, 1.0], [before.clone(), after.clone()]);
         for _ in 0..JUMP_DEPTH {
             let middle = f64::midpoint(times[0], times[1]);
-            let Some(state) = self.state(middle, weight) else { break };
+            let Some(state) = self.state(middle, factor) else { break };
             // The later half replaces the first end, the earlier one the last.
             let end = usize::from(states[0].farthest(&state) > state.farthest(&states[1]));
             (times[end], states[end]) = (middle, state);
@@ -132,20 +129,20 @@ impl<'a, const D: usize> Interval<'a, D> {
         states[0].farthest(&states[1])
     }
 
-    /// Whether no jump is found between the knots with this weight.
-    fn is_continuous(&mut self, weight: f64) -> bool {
+    /// Whether no jump is found between the knots with this factor.
+    fn is_continuous(&mut self, factor: f64) -> bool {
         let knots = self.knots;
         let [Some(before), Some(after)] = &knots.states[self.index..=self.index + 1] else { return true };
         let whole =
             Part { times: [0.0, 1.0], states: [before, after, before], differences: [f64::INFINITY; 2], depth: 0 };
-        self.is_even(&whole, weight)
+        self.is_even(&whole, factor)
     }
 
     /// Whether the motion in a part of the interval is even, or becomes so under bisection.
-    fn is_even(&mut self, part: &Part<D>, weight: f64) -> bool {
+    fn is_even(&mut self, part: &Part<D>, factor: f64) -> bool {
         let Part { times: [from, to], states: [outer, inner, beyond], differences, depth } = *part;
         let middle = f64::midpoint(from, to);
-        let Some(state) = self.state(middle, weight) else { return true };
+        let Some(state) = self.state(middle, factor) else { return true };
         let mean = outer.interpolated(inner, 0.5);
         let difference = mean.farthest(&state);
         // 3/8 outer + 3/4 inner - 1/8 beyond.
@@ -163,12 +160,12 @@ impl<'a, const D: usize> Interval<'a, D> {
         };
         depth < MAX_DEPTH
             && !is_jump
-            && self.is_even(&half(from, [outer, &state, inner]), weight)
-            && self.is_even(&half(to, [inner, &state, outer]), weight)
+            && self.is_even(&half(from, [outer, &state, inner]), factor)
+            && self.is_even(&half(to, [inner, &state, outer]), factor)
     }
 
     /// The state at a fraction of the interval, computed as by [`super::Trajectory::solve_at`].
-    fn state(&mut self, s: f64, weight: f64) -> Option<Displacement<D>> {
+    fn state(&mut self, s: f64, factor: f64) -> Option<Displacement<D>> {
         let place = match self.probed.iter().position(|(known, _)| *known == s) {
             Some(place) => place,
             None => {
@@ -177,7 +174,7 @@ impl<'a, const D: usize> Interval<'a, D> {
             }
         };
         let knot = self.probed[place].1.as_mut()?;
-        let proximal = self.knots.proximal(self.index, s, weight)?;
+        let proximal = self.knots.proximal(self.index, s, factor)?;
         knot.solve_between(&proximal, &Cancel::never()).ok()?;
         Some(knot.displacement.clone())
     }

@@ -52,9 +52,20 @@ impl<const D: usize> Displacement<D> {
         (self.box_angle - box_angle).sin().abs() < SAME_HANDLES && (self.box_angle - box_angle).cos() > 0.0
     }
 
+    /// Linear interpolation of the points alone, each by its own part of the way to those of `to`.
+    pub(crate) fn points_between(&self, to: &Self, part: impl Fn(usize) -> f64) -> Vec<[f64; D]> {
+        let between = |(point, (a, b)): (usize, (&[f64; D], &[f64; D]))| mixed(a, b, part(point));
+        self.points.iter().zip(&to.points).enumerate().map(between).collect()
+    }
+
+    /// Distances between corresponding points.
+    pub(crate) fn distances(&self, to: &Self) -> impl Iterator<Item = f64> {
+        self.points.iter().zip(&to.points).map(|(a, b)| distance(a, b))
+    }
+
     /// Largest distance between corresponding points.
     pub(crate) fn farthest(&self, to: &Self) -> f64 {
-        self.points.iter().zip(&to.points).map(|(a, b)| distance(a, b)).fold(0.0, f64::max)
+        self.distances(to).fold(0.0, f64::max)
     }
 
     /// Displacements for `count` other copies, by name: that of the copy with the same name, or of the only copy of the same
@@ -76,8 +87,11 @@ impl<const D: usize> Displacement<D> {
 }
 
 fn mix<const D: usize>(from: &[[f64; D]], to: &[[f64; D]], t: f64) -> Vec<[f64; D]> {
-    let between = |(a, b): (&[f64; D], &[f64; D])| std::array::from_fn(|d| a[d] * (1.0 - t) + b[d] * t);
-    from.iter().zip(to).map(between).collect()
+    from.iter().zip(to).map(|(a, b)| mixed(a, b, t)).collect()
+}
+
+fn mixed<const D: usize>(from: &[f64; D], to: &[f64; D], t: f64) -> [f64; D] {
+    std::array::from_fn(|d| from[d] * (1.0 - t) + to[d] * t)
 }
 
 #[cfg(test)]

@@ -9,10 +9,11 @@ use super::timeline::TimedProblem;
 use crate::lattice::Grid;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
-use crate::solve::linalg::small_matrix::{distance, minus};
+use crate::solve::linalg::small_matrix::minus;
 use crate::solve::minimization::{Minimization, MinimizationResult};
 use crate::solve::newton::CachedFactor;
-use crate::solve::problem::{PointPin, Problem};
+use crate::solve::point_weights::PointWeights;
+use crate::solve::problem::Problem;
 use crate::solve::rigid_motion::RigidMotion;
 use crate::solve::settings::Settings;
 use crate::solve::system::System;
@@ -35,14 +36,14 @@ pub(crate) struct Knot<const D: usize> {
     pub(crate) system: System<D>,
     path: Vec<Targets<D>>,
     /// Rest positions of the model's points, over the upright box.
-    points: Vec<[f64; D]>,
+    pub(super) points: Vec<[f64; D]>,
     /// Angle of the box, in radians.
     pub(crate) angle: f64,
     /// Rotation of the model since the first knot, in radians; that of the box at the first knot.
     pub(crate) model_angle: f64,
     /// The grid, rotated as the box is relative to the frame of the model.
-    in_model: Grid<D>,
-    rigid: RigidImage<D>,
+    pub(super) in_model: Grid<D>,
+    pub(super) rigid: RigidImage<D>,
     factor: CachedFactor,
     /// Whether all pins and handles are at rest.
     pub(crate) is_resting: bool,
@@ -58,15 +59,15 @@ pub(crate) struct Knot<const D: usize> {
 
 /// Images of handles and points under the rigid fit of the pins.
 #[derive(Debug)]
-struct RigidImage<const D: usize> {
+pub(super) struct RigidImage<const D: usize> {
     handles: Vec<[f64; D]>,
-    points: Vec<[f64; D]>,
+    pub(super) points: Vec<[f64; D]>,
 }
 
 /// A proximal term: it draws the displacements of the points to given ones.
 pub(crate) struct Proximal<const D: usize> {
     pub(crate) displacement: Displacement<D>,
-    pub(crate) weight: f64,
+    pub(crate) weights: PointWeights,
 }
 
 /// How a solve starts.
@@ -201,7 +202,7 @@ impl<const D: usize> Knot<D> {
 
     /// Solves this time without a proximal term, like a single frame.
     pub(crate) fn solve_alone(&mut self, cancel: &Cancel) -> Result<MinimizationResult<D>, SolveError> {
-        self.system.set_proximal_targets([], 0.0, cancel)?;
+        self.system.set_proximal_targets([], &PointWeights::ZERO, cancel)?;
         let result = match self.system.follow_winding(&self.path, cancel)? {
             Some(result) => result,
             None => self.system.least(&self.system.own_targets(), None, cancel)?,
@@ -216,24 +217,24 @@ impl<const D: usize> Knot<D> {
         proximal: &Proximal<D>,
         cancel: &Cancel,
     ) -> Result<MinimizationResult<D>, SolveError> {
-        let Proximal { displacement, weight } = proximal;
+        let Proximal { displacement, weights } = proximal;
         if self.rests_at(displacement) {
             return Ok(self.at(displacement));
         }
         self.start_from(displacement);
-        self.solve_proximal((&displacement.points, *weight), Descent::Cold, cancel)
+        self.solve_proximal((&displacement.points, weights), Descent::Cold, cancel)
     }
 
-    /// Solves from the current state with a proximal term of this weight towards the given displacements of the points.
+    /// Solves from the current state with a proximal term of these weights towards the given displacements of the points.
     pub(crate) fn solve_proximal(
         &mut self,
-        (points, weight): (&[[f64; D]], f64),
+        (points, weights): (&[[f64; D]], &PointWeights),
         descent: Descent,
         cancel: &Cancel,
     ) -> Result<MinimizationResult<D>, SolveError> {
         let places = self.rigid.points.iter().zip(points);
         let places = places.map(|(rigid, by)| displaced(&self.in_model, rigid, by));
-        self.system.set_proximal_targets(places, weight, cancel)?;
+        self.system.set_proximal_targets(places, weights, cancel)?;
         let initial = self.handles();
         let targets = self.system.own_targets();
         let minimization = self.system.minimization(&targets, cancel);
@@ -267,15 +268,15 @@ impl<const D: usize> Knot<D> {
         self.rigid.handles.iter().zip(by).map(|(rigid, by)| displaced(&self.in_model, rigid, by)).collect()
     }
 
-    /// Whether the energy with a proximal term of this weight is convex at the present state.
-    pub(crate) fn is_convex(&self, weight: f64) -> bool {
-        self.system.is_convex(&self.handles(), weight, &Cancel::never())
+    /// Whether the energy with a proximal term of these weights is convex at the present state.
+    pub(crate) fn is_convex(&self, weights: &PointWeights) -> bool {
+        self.system.is_convex(&self.handles(), weights, &Cancel::never())
     }
 
     /// Same as [`Self::is_convex`], at the mean of this state and that of the next knot.
-    pub(crate) fn is_convex_halfway(&self, next: &Self, weight: f64) -> bool {
+    pub(crate) fn is_convex_halfway(&self, next: &Self, weights: &PointWeights) -> bool {
         let halfway = self.displacement.interpolated(&self.transferred(&next.displacement), 0.5).handles;
-        self.system.is_convex(&self.displaced_handles(&halfway), weight, &Cancel::never())
+        self.system.is_convex(&self.displaced_handles(&halfway), weights, &Cancel::never())
     }
 
     /// Sets the state to the solved handles. If all pins rest and all points are near rest, the state becomes rest exactly, which
@@ -294,31 +295,6 @@ impl<const D: usize> Knot<D> {
             self.displacement.handles.fill([0.0; D]);
             self.displacement.points.fill([0.0; D]);
         }
-    }
-
-    /// Largest move of pin and handle targets, of the model's points, and of the rigid images of these points, to the next knot, in
-    /// the frame of the model. A prescribed gradient moves what lies within a span of its pin, or within its region.
-    pub(crate) fn motion(&self, next: &Self) -> f64 {
-        let distance = |a: &[f64; D], b: &[f64; D]| {
-            distance(&self.in_model.point_from_upright(*a), &next.in_model.point_from_upright(*b))
-        };
-        let farthest =
-            |a: &[[f64; D]], b: &[[f64; D]]| a.iter().zip(b).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
-        let surface = farthest(&self.points, &next.points).max(farthest(&self.rigid.points, &next.rigid.points));
-        let (Some(from), Some(to)) = (self.goal(), next.goal()) else { return surface };
-        if from.pins.len() != to.pins.len() || from.handles.len() != to.handles.len() {
-            return surface;
-        }
-        let span = (0..D).map(|axis| self.grid().spacing(axis)).fold(0.0, f64::max);
-        let spin = |(a, b): (&PointPin<D>, &PointPin<D>)| {
-            let (from, to) = (a.gradient?, b.gradient?);
-            let change = from.as_flattened().iter().zip(to.as_flattened()).map(|(from, to)| (to - from).powi(2));
-            Some(change.sum::<f64>().sqrt() * b.region.map_or(span, |region| region.radius.max(span)))
-        };
-        let spins = from.pins.iter().zip(&to.pins).filter_map(spin);
-        let pins = from.pins.iter().zip(&to.pins).map(|(a, b)| distance(&a.target, &b.target)).chain(spins);
-        let handles = from.handles.iter().zip(&to.handles).map(|(a, b)| distance(&a.target, &b.target));
-        pins.chain(handles).fold(surface, f64::max)
     }
 }
 

@@ -10,6 +10,7 @@ mod continuity;
 mod displacement;
 mod knot;
 mod solved_knots;
+mod speed_limits;
 mod timeline;
 
 pub(crate) use timeline::knots_per_gib;
@@ -19,6 +20,7 @@ use super::box_rotation::BoxRotation;
 use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::MinimizationResult;
+use super::point_weights::PointWeights;
 use super::report::Solution;
 use super::settings::Settings;
 use super::targets::Targets;
@@ -40,8 +42,8 @@ const MIN_WINDOW: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory<const D: usize> {
     knots: SolvedKnots<D>,
-    /// Weight of the proximal term within each interval: ω, or more where the motion would jump.
-    interior_weights: Vec<f64>,
+    /// Weight of the proximal term within each interval as a multiple of ω: more than 1 where the motion would jump.
+    interior_factors: Vec<f64>,
     /// ω of intervals whose weight was not raised.
     weight: f64,
     /// Runs of intervals over which a fast motion is spread.
@@ -100,7 +102,7 @@ impl<const D: usize> Trajectory<D> {
         let weight = chain.weight;
         done.extend(chain.take_front(chain.knots.len()));
         let intervals: Vec<SettledInterval> = done.iter_mut().filter_map(|knot| knot.interval.take()).collect();
-        let weights = intervals.iter().map(|interval| interval.weight).collect();
+        let weights = intervals.iter().map(|interval| interval.weights.clone()).collect();
         let model_angles = done.iter().map(|knot| knot.model_angle).collect();
         let takes = done.iter().map(|knot| knot.take).collect();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
@@ -112,18 +114,18 @@ impl<const D: usize> Trajectory<D> {
                 knots.orient(&mut knot, time);
                 Some(knot)
             };
-            let weight = interval.interior.weight(&knots, index, &knot_between);
+            let factor = interval.interior.factor(&knots, index, &knot_between);
             part_done();
-            weight
+            factor
         };
-        let mut interior_weights = Vec::with_capacity(intervals.len());
+        let mut interior_factors = Vec::with_capacity(intervals.len());
         let numbered: Vec<_> = intervals.iter().enumerate().collect();
         // Cancellation is polled by this thread alone.
         for some in numbered.chunks(4 * rayon::current_num_threads()) {
             cancel.check().map_err(SolveError::from)?;
-            interior_weights.extend(some.par_iter().map(search).collect::<Vec<f64>>());
+            interior_factors.extend(some.par_iter().map(search).collect::<Vec<f64>>());
         }
-        Ok(Self { spreads: find_spreads(&knots, &intervals), knots, interior_weights, weight })
+        Ok(Self { spreads: find_spreads(&knots, &intervals), knots, interior_factors, weight })
     }
 
     /// Number of knots with a state.
@@ -198,14 +200,14 @@ impl<const D: usize> Trajectory<D> {
         };
         // Raised weights hold the outermost knots away from their minima, which lie far from them.
         let single = |state: &Displacement<D>, distance: f64, beside: Option<usize>| {
-            let weight = beside.and_then(|interval| self.knots.weights.get(interval)).map_or(0.0, |weight| *weight);
-            let weight = weight.max(self.weight) / distance;
-            Neighbourhood::Proximal(Proximal { displacement: state.clone(), weight })
+            let weights = beside.and_then(|interval| self.knots.weights.get(interval)).unwrap_or(&PointWeights::ZERO);
+            let weights = weights.map(|weight| weight.max(self.weight) / distance);
+            Neighbourhood::Proximal(Proximal { displacement: state.clone(), weights })
         };
         match pair {
             (Some(_), Some(_)) => {
                 let interval = before as usize;
-                let proximal = self.knots.proximal(interval, place - before, self.interior_weights[interval]);
+                let proximal = self.knots.proximal(interval, place - before, self.interior_factors[interval]);
                 proximal.map_or(Neighbourhood::Alone, Neighbourhood::Proximal)
             }
             (Some(only), None) => single(only, place - before, (before as usize).checked_sub(1)),
