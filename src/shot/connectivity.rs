@@ -30,6 +30,15 @@ pub struct Connectivity {
 pub enum Cut {
     /// A stroke across a picture: a polyline in frame heights.
     Stroke(Vec<[f64; 2]>),
+    /// A stroke over a scene, as the camera sees it.
+    SceneStroke {
+        /// A polyline in frame heights.
+        points: Vec<[f64; 2]>,
+        /// The frame over which it is drawn.
+        frame: i32,
+        /// What happens to the surfaces of meshes that it crosses.
+        surface: CutSurface,
+    },
     /// A part of a scene, or of a picture under a mask, separated from everything else.
     Part {
         /// Patterns of node names, as in a layer; empty: all nodes of the layer.
@@ -93,14 +102,14 @@ impl Cut {
         match self {
             Self::Ids(ids) => !matches!(ids.ids, IdChoice::Chosen(_)),
             Self::Regions(lines) => lines.at.is_empty(),
-            Self::Stroke(_) | Self::Part { .. } => false,
+            Self::Stroke(_) | Self::SceneStroke { .. } | Self::Part { .. } => false,
         }
     }
 
     /// Returns the file that the cut reads, with its key in the cut: `mask.file`.
     pub(crate) fn file(&self) -> Option<(&'static str, &PathBuf)> {
         match self {
-            Self::Stroke(_) => None,
+            Self::Stroke(_) | Self::SceneStroke { .. } => None,
             Self::Part { selection, .. } => Some(("mask.file", &selection.mask.as_ref()?.file)),
             Self::Ids(ids) => Some(("ids.file", &ids.file)),
             Self::Regions(lines) => Some(("regions.file", lines.file.as_ref()?)),
@@ -110,7 +119,7 @@ impl Cut {
     /// Returns the same file, to change its path.
     pub(super) fn file_mut(&mut self) -> Option<&mut PathBuf> {
         match self {
-            Self::Stroke(_) => None,
+            Self::Stroke(_) | Self::SceneStroke { .. } => None,
             Self::Part { selection, .. } => Some(&mut selection.mask.as_mut()?.file),
             Self::Ids(ids) => Some(&mut ids.file),
             Self::Regions(lines) => lines.file.as_mut(),

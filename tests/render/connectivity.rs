@@ -1,16 +1,22 @@
 //! What a shot cuts and joins of a scene under a branching lattice.
 
-use crate::tiny::{Tiny, grid};
+use crate::tiny::{Part, Tiny, grid};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;
 use pinwarp::space::ScreenPoint;
 
 /// A body and an arm beside it, with `gap` metres between them; the arm has the second material.
 fn prepared(gap: f32, lattice: &str) -> Result<PreparedShot, String> {
-    let folder = tempfile::tempdir().expect("a folder");
     let parts = vec![grid("Body", [-0.3, -0.45, 0.0, 0.45], 12), grid("Arm", [gap, -0.45, gap + 0.12, 0.3], 12)];
+    prepared_of(parts, gap, lattice)
+}
+
+/// The same of other parts.
+fn prepared_of(parts: Vec<Part>, gap: f32, lattice: &str) -> Result<PreparedShot, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let names = ["Coat", "Sleeve"].iter().take(parts.len()).enumerate();
     let mut scene = Tiny::of(parts).json();
-    for (material, name) in ["Coat", "Sleeve"].iter().enumerate() {
+    for (material, name) in names {
         scene["materials"][material]["name"] = (*name).into();
     }
     std::fs::write(folder.path().join("tiny.gltf"), scene.to_string()).expect("written");
@@ -32,7 +38,11 @@ fn prepared(gap: f32, lattice: &str) -> Result<PreparedShot, String> {
 
 /// How far the border of the body moves that the arm is beside, pixels.
 fn body_moves(gap: f32, lattice: &str) -> f64 {
-    let prepared = prepared(gap, lattice).expect("a right shot");
+    border_moves(&prepared(gap, lattice).expect("a right shot"))
+}
+
+/// The same of a prepared shot.
+fn border_moves(prepared: &PreparedShot) -> f64 {
     let sample = prepared.sample_at(1.0).expect("solvable");
     let solution = sample.layers[0].solution.as_ref().expect("its pins act");
     let triangles = prepared.scene.meshes[0].primitives[0].triangles.len();
@@ -60,6 +70,40 @@ fn a_part_that_touches_is_cut_off_by_its_name() {
 }
 
 #[test]
+fn a_stroke_over_the_scene_cuts_off_what_it_divides() {
+    let whole = body_moves(0.0, "cuts = []");
+    let apart = body_moves(0.0, "cuts = [{ stroke = [[0.5, 0.02], [0.5, 0.9]], frame = 1 }]");
+    println!("the body moves by {whole:.2} px as one piece, by {apart:.2} px after a stroke");
+    assert!(apart < 0.5 && whole > 10.0 * apart, "{whole} as one piece, {apart} apart");
+}
+
+#[test]
+fn a_stroke_is_drawn_over_the_frame_that_it_names() {
+    let moving = |lattice: &str| {
+        let mut parts = vec![grid("Body", [-0.3, -0.45, 0.0, 0.45], 12), grid("Arm", [0.0, -0.45, 0.12, 0.3], 12)];
+        parts.iter_mut().for_each(|part| part.velocity = [0.5, 0.0, 0.0]);
+        prepared_of(parts, 0.0, lattice)
+    };
+    // In half a second the border moves from 0.5 to 0.75.
+    let stroke = |frame: i32| format!("cuts = [{{ stroke = [[0.75, 0.02], [0.75, 0.9]], frame = {frame} }}]");
+    let apart = border_moves(&moving(&stroke(13)).expect("a right shot"));
+    assert!(apart < 0.5, "{apart}");
+    let told = moving(&stroke(1)).expect_err("nothing is there");
+    assert!(told.contains("cuts nothing in frame 1") && told.contains("cuts[0]"), "{told}");
+}
+
+#[test]
+fn a_stroke_opens_the_surface_of_one_mesh_on_request() {
+    let one = |open: &str| {
+        let stroke = format!("cuts = [{{ stroke = [[0.5, 0.02], [0.5, 0.9]], frame = 1{open} }}]");
+        prepared_of(vec![grid("All", [-0.3, -0.45, 0.12, 0.45], 21)], 0.0, &stroke)
+    };
+    let told = one("").expect_err("the surface stays whole");
+    assert!(told.contains("cuts nothing") && told.contains("open = true"), "{told}");
+    one(", open = true").expect("it opens");
+}
+
+#[test]
 fn islands_hang_on_what_is_near_and_on_what_they_are_joined_to() {
     let [near, far, joined] =
         ["island_radius = 0.1", "island_radius = 0.01", "island_radius = 0.01, joins = [['Arm', 'Bod*']]"]
@@ -79,7 +123,11 @@ fn cuts_and_joins_without_effect_are_reported() {
         ("cuts = [{ materials = ['Slieve'] }]", ["did you mean", "cuts[0].materials"]),
         ("cuts = [{ mask = { file = 'no.png' } }]", ["there is no file", "cuts[0].mask.file"]),
         ("cuts = [{}]", ["separates nothing", "cuts[0]"]),
-        ("cuts = [[[0, 0], [1, 1]]]", ["strokes cut pictures only", "cuts[0]"]),
+        ("cuts = [[[0, 0], [1, 1]]]", ["needs the frame in which it is drawn", "cuts[0]"]),
+        ("cuts = [{ stroke = [[0.9, 0.1], [0.9, 0.2]], frame = 1 }]", ["cuts nothing in frame 1", "cuts[0]"]),
+        ("cuts = [{ stroke = [[0.5, 0.1], [0.5, 0.2]] }]", ["is missing", "cuts[0].frame"]),
+        ("cuts = [{ nodes = ['Arm'], frame = 2 }]", ["belongs to `stroke`", "cuts[0].frame"]),
+        ("cuts = [{ stroke = [[0, 0], [1, 1]], frame = 1, nodes = ['Arm'] }]", ["stands alone", "cuts[0].nodes"]),
         ("cuts = [{ ids = { file = 'ids.png' } }]", ["divides pictures", "cuts[0].ids"]),
         ("cuts = [{ regions = {} }]", ["divides pictures", "cuts[0].regions"]),
         ("joins = [['Arm', 'Bdy']]", ["no node of the layer", "joins[0]"]),

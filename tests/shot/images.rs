@@ -168,7 +168,7 @@ fn branching_lattices_need_a_shape_and_local_handles() {
         ),
         ("image = 'a.png'", "lattice = { topology = 'plain', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),
         ("image = 'a.png'", "lattice = { basis = 'bernstein', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),
-        ("scene = 'a.glb'", "lattice = { topology = 'branching', cuts = [[[0, 0], [1, 1]]] }", "cuts[0]", "image"),
+        ("scene = 'a.glb'", "lattice = { topology = 'branching', cuts = [[[0, 0], [1, 1]]] }", "cuts[0]", "frame = 1"),
         ("image = 'a.png'", "lattice = { topology = 'branching', cuts = [[[0, 0]]] }", "cuts[0]", "at least 2 lists"),
     ] {
         let told = fault(from, layer).expect_err(layer);

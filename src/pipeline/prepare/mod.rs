@@ -20,6 +20,7 @@ pub(super) mod prepared_shot;
 pub(super) mod reflection;
 pub(super) mod rest_links;
 pub(super) mod rest_mesh;
+mod screen_cut;
 pub(super) mod selection;
 pub(super) mod slenderness;
 pub(super) mod stiffness;
@@ -33,7 +34,7 @@ use crate::pipeline::evaluate::frame_cache::FrameCache;
 use crate::pipeline::evaluate::topology::{self, check_branching};
 use crate::pipeline::pictures::Gallery;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
-use crate::pose::{ClipChoice, Pose, PosedPart, pose};
+use crate::pose::{ClipChoice, Pose, PosedPart, pose, pose_positions};
 use crate::scene::{self, FileAccess, Scene};
 use crate::screen::{self, Camera, ScreenMesh};
 use crate::shot::{Anchor, CameraRule, ClipName, Layer, LayerSpace, Shot, Source};
@@ -105,7 +106,12 @@ impl PreparedShot {
         let cache = FrameCache::default();
         let stiffness = stiffness::paint(&shot, &scene, (&assignment.parts_of_layer, &cache))?;
         notes.extend(stiffness.notes.iter().cloned());
-        let links = rest_links(&shot, &scene, &assignment.parts_of_layer)?;
+        let view = |frame: i32| {
+            let pose = pose_positions(&scene, clip, shot.frames.seconds(f64::from(frame)));
+            let camera = camera.at((&shot, &scene), f64::from(frame), &pose);
+            (pose, camera)
+        };
+        let links = rest_links((&shot, &scene), &assignment.parts_of_layer, &view)?;
         let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
             shot,

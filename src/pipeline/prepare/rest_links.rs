@@ -6,11 +6,12 @@
 use super::loose_parts::joined_to_pinned;
 use super::picture_parts::{CHOSEN, Fault, OTHER, PictureParts};
 use super::rest_mesh::{RestMesh, rest_pose};
+use super::screen_cut::ScreenCut;
 use super::selection::cut_off;
 use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;
-use crate::screen::primitive;
+use crate::screen::{Camera, primitive};
 use crate::shot::{Cut, CutSurface, Layer, Selection, Shot, Source};
 use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, nearest_link, solid_links, surface_links};
 use crate::spelling::{self, pluralised};
@@ -40,6 +41,10 @@ const IDS_HINT: &str =
 /// What to do where the regions of a drawing separate nothing.
 const REGIONS_HINT: &str =
     "lines have to close the regions: raise `gap` if a line has gaps, lower `threshold` if it is faint";
+
+/// What to do where a stroke over a scene separates nothing.
+const SCENE_STROKE_HINT: &str = "draw it over the layer as the camera sees it in that frame, between parts that touch at rest, in frame \
+                                 heights, y up; the surface of one mesh is opened by `open = true` only";
 
 /// What to do where a stroke separates nothing.
 const STROKE_HINT: &str = "draw it across the picture, in frame heights, y up: [0, 0] is the lower left corner";
@@ -87,14 +92,14 @@ impl RestLinks {
     }
 }
 
-/// Returns the links of every layer; `None` for layers whose lattice does not branch.
+/// Returns the links of every layer; `None` for layers whose lattice does not branch. `view`: the pose and the camera of a frame.
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] if a cut separates nothing or names something that does not exist.
 pub(in crate::pipeline) fn rest_links(
-    shot: &Shot,
-    scene: &Scene,
+    (shot, scene): (&Shot, &Scene),
     parts_of_layer: &[Vec<usize>],
+    view: &dyn Fn(i32) -> (Pose, Camera),
 ) -> Result<Vec<Option<RestLinks>>, PipelineError> {
     let mut rest = None;
     let mut all = Vec::with_capacity(shot.layers.len());
@@ -110,7 +115,7 @@ pub(in crate::pipeline) fn rest_links(
             Source::Scene(_) => links_of_solid(&mesh, radius),
             Source::Images(_) | Source::Frame => vec![(1.0, surface_links(&mesh.flat(), &mesh.triangles, radius))],
         };
-        let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh };
+        let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh, view };
         let divisions = layer.cut(&mut by_pitch)?;
         layer.join(&mut by_pitch)?;
         let sorted = |(pitch, mut links): (f64, Vec<Link>)| {
@@ -168,6 +173,8 @@ struct LayerLinks<'a> {
     parts: &'a [usize],
     rest: &'a Pose,
     mesh: &'a RestMesh,
+    /// The pose and the camera of a frame.
+    view: &'a dyn Fn(i32) -> (Pose, Camera),
 }
 
 impl LayerLinks<'_> {
@@ -196,6 +203,10 @@ impl LayerLinks<'_> {
                 Cut::Stroke(stroke) => {
                     by_pitch.iter_mut().for_each(|(_, links)| self.cut_along(stroke, links));
                     (format!("stroke {number} cuts nothing"), STROKE_HINT)
+                }
+                Cut::SceneStroke { points, frame, surface } => {
+                    self.cut_on_screen((points, *frame), *surface, by_pitch);
+                    (format!("the stroke cuts nothing in frame {frame}"), SCENE_STROKE_HINT)
                 }
                 Cut::Part { nodes, selection, surface } => {
                     let (parts, hint) = match self.shot.source {
@@ -251,7 +262,7 @@ impl LayerLinks<'_> {
             Cut::Ids(ids) => picture.by_ids(ids),
             Cut::Regions(lines) => picture.by_regions(lines),
             Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } => picture.painted(mask),
-            Cut::Part { .. } | Cut::Stroke(_) => {
+            Cut::Part { .. } | Cut::Stroke(_) | Cut::SceneStroke { .. } => {
                 return Ok(vec![OTHER; self.mesh.triangles.len()]);
             }
         };
@@ -270,6 +281,16 @@ impl LayerLinks<'_> {
     fn is_kept(&self, link: &Link, surface: CutSurface) -> bool {
         let [from, to] = link.ends.map(|end| self.mesh.nodes[end.triangle as usize]);
         surface == CutSurface::Whole && link.kind == LinkKind::Edge && from == to
+    }
+
+    /// Removes the links that a stroke over the scene crosses as the camera sees them in a frame.
+    fn cut_on_screen(&self, (stroke, frame): (&[[f64; 2]], i32), surface: CutSurface, by_pitch: &mut LinksByPitch) {
+        let (pose, camera) = (self.view)(frame);
+        let mesh = RestMesh::of(self.scene, &pose, self.parts);
+        let cut = ScreenCut::new(stroke, &mesh, &camera);
+        for (_, links) in by_pitch {
+            links.retain(|link| self.is_kept(link, surface) || !cut.separates(link));
+        }
     }
 
     /// Removes the links that a stroke crosses. Pictures are flat: their x and y are screen coordinates.

@@ -34,23 +34,60 @@ impl Check<'_> {
     fn cut(&mut self, raw: &RawCut, key: &str, shot: &LayerDefaults) -> Cut {
         match raw {
             RawCut::Stroke(stroke) => {
-                if shot.source != Kind::Images {
-                    let hint =
-                        "give an `image`, or name a part: { joints = [..] }, { nodes = [..] }, { materials = [..] }";
-                    self.fault(key, "strokes cut pictures only", hint);
+                match shot.source {
+                    Kind::Images => {}
+                    Kind::Scene => {
+                        let what = "a stroke over a scene needs the frame in which it is drawn";
+                        let hint = "give { stroke = [[x, y], [x, y], ..], frame = 1 }, or name a part: { joints = [..] }, { nodes = [..] }, \
+                                    { materials = [..] }";
+                        self.fault(key, what, hint);
+                    }
+                    Kind::Frame => self.fault(key, "a whole plate has no parts", "give a scene or an `image`"),
                 }
-                if stroke.len() < 2 || !stroke.as_flattened().iter().all(|x| x.is_finite()) {
-                    let what = "a stroke has at least two points, all of them numbers";
-                    self.fault(key, what, "give [[x, y], [x, y], ..] in frame heights, y up");
-                }
+                self.stroke(stroke, key);
                 Cut::Stroke(stroke.clone())
             }
-            RawCut::Part(part) => self.picture_cut(part, key, shot).unwrap_or_else(|| self.part_cut(part, key, shot)),
+            RawCut::Part(part) => {
+                let alone = self.picture_cut(part, key, shot).or_else(|| self.scene_stroke(part, key, shot));
+                alone.unwrap_or_else(|| self.part_cut(part, key, shot))
+            }
         }
+    }
+
+    /// Checks the points of a stroke.
+    fn stroke(&mut self, stroke: &[[f64; 2]], key: &str) {
+        if stroke.len() < 2 || !stroke.as_flattened().iter().all(|x| x.is_finite()) {
+            let what = "a stroke has at least two points, all of them numbers";
+            self.fault(key, what, "give [[x, y], [x, y], ..] in frame heights, y up");
+        }
+    }
+
+    /// Returns the cut along a stroke over a scene; `None` without a stroke.
+    fn scene_stroke(&mut self, raw: &RawPartCut, key: &str, shot: &LayerDefaults) -> Option<Cut> {
+        let points = raw.stroke.as_ref()?;
+        if shot.source != Kind::Scene {
+            let hint = "give its points alone: cuts = [[[x, y], [x, y], ..]]";
+            self.fault(&format!("{key}.stroke"), "only a stroke over a `scene` is drawn over a frame", hint);
+        }
+        if raw.frame.is_none() {
+            let hint = "add the frame in which the camera sees what the stroke divides: frame = 1";
+            self.fault(&format!("{key}.frame"), "is missing", hint);
+        }
+        self.stroke(points, &format!("{key}.stroke"));
+        let others = raw.keys_beside("stroke");
+        if let Some(other) = others.iter().find(|other| !["frame", "open"].contains(other)) {
+            let hint = format!("make a cut for each: [{{ stroke = .., frame = .. }}, {{ {other} = .. }}]");
+            self.fault(&format!("{key}.{other}"), "`stroke` stands alone", hint);
+        }
+        let (frame, surface) = (raw.frame.unwrap_or(shot.first_frame), surface(raw.open));
+        Some(Cut::SceneStroke { points: points.clone(), frame, surface })
     }
 
     fn part_cut(&mut self, raw: &RawPartCut, key: &str, shot: &LayerDefaults) -> Cut {
         let selection = self.selection(&raw.select(), key, shot);
+        if raw.frame.is_some() {
+            self.fault(&format!("{key}.frame"), "belongs to `stroke`", "remove it or add `stroke`");
+        }
         let names = raw.nodes.is_some()
             || selection.vertex_color.is_some()
             || !selection.joints.is_empty()
@@ -73,8 +110,11 @@ impl Check<'_> {
             Kind::Frame => self.fault(key, "a whole plate has no parts", "give a scene or an `image`"),
         }
         // The parts of a drawing hang together by its surface alone.
-        let is_open = raw.open || shot.source == Kind::Images;
-        let surface = if is_open { CutSurface::Opened } else { CutSurface::Whole };
+        let surface = surface(raw.open || shot.source == Kind::Images);
         Cut::Part { nodes: raw.nodes.clone().unwrap_or_default(), selection, surface }
     }
+}
+
+const fn surface(is_open: bool) -> CutSurface {
+    if is_open { CutSurface::Opened } else { CutSurface::Whole }
 }

@@ -18,7 +18,8 @@ pub(in crate::shot) enum RawCut {
 }
 
 /// A part of a scene, selected by names, or of a picture, selected by a mask. If several keys are set, only what all of them select is
-/// cut off. `ids` and `regions` stand alone: parts of a picture by a picture of ids, or by what the lines of the drawing close.
+/// cut off. `ids`, `regions` and `stroke` stand alone: parts of a picture by a picture of ids, or by what the lines of the drawing close; a
+/// stroke over a scene.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -44,7 +45,13 @@ pub(in crate::shot) struct RawPartCut {
     /// Regions that the lines of a drawing close: each is a part of its own, or those at some points are one.
     #[schemars(example = serde_json::json!({ "at": [[0.62, 0.40]] }))]
     pub(in crate::shot) regions: Option<RawRegions>,
-    /// Whether the cut also opens the surface of a mesh that the part belongs to; that of a picture is always opened.
+    /// A stroke over a scene, as the camera sees it in `frame`: points in frame heights.
+    #[schemars(length(min = 2), example = serde_json::json!([[0.62, 0.40], [0.62, 0.71]]))]
+    pub(in crate::shot) stroke: Option<Vec<[f64; 2]>>,
+    /// The frame over which `stroke` is drawn.
+    #[schemars(example = 12)]
+    pub(in crate::shot) frame: Option<i32>,
+    /// Whether the cut also opens the surface of a mesh that it divides; that of a picture is always opened.
     pub(in crate::shot) open: bool,
 }
 
@@ -106,6 +113,8 @@ impl RawPartCut {
             ("mask", self.mask.is_some()),
             ("ids", self.ids.is_some()),
             ("regions", self.regions.is_some()),
+            ("stroke", self.stroke.is_some()),
+            ("frame", self.frame.is_some()),
             ("open", self.open),
         ];
         keys.into_iter().filter(|(key, is_given)| *is_given && *key != other).map(|(key, _)| key).collect()
