@@ -3,6 +3,7 @@
 use crate::tiny::{Part, Tiny, grid};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;
+use pinwarp::solve::Topology;
 use pinwarp::space::ScreenPoint;
 
 /// A body and an arm beside it, with `gap` metres between them; the arm has the second material.
@@ -139,4 +140,43 @@ fn cuts_and_joins_without_effect_are_reported() {
     }
     let plain = prepared(0.0, "cuts = []").expect("right");
     assert_eq!(plain.shot.layers[0].connectivity.island_radius, 0.1);
+}
+
+#[test]
+fn lattices_of_a_scene_branch_unless_it_is_too_fine_or_has_lines() {
+    let prepared = |cells: u32, mode: u32, lattice: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut scene = Tiny::of(vec![grid("All", [-0.3, -0.45, 0.3, 0.45], cells)]).json();
+        scene["meshes"][0]["primitives"][0]["mode"] = mode.into();
+        std::fs::write(folder.path().join("tiny.gltf"), scene.to_string()).expect("written");
+        let text = format!(
+            "version = 1\nscene = 'tiny.gltf'\nframes = {{ first = 1, last = 2, rate = 24 }}\nsize = [64, 64]\n[[layer]]\n\
+             name = 'all'\nlattice = {{ {lattice} }}\n"
+        );
+        let shot = Shot::parse(&text, &folder.path().join("shot.toml")).expect("a right shot");
+        PreparedShot::new(shot).expect("a scene")
+    };
+    const FINE: u32 = 225;
+    const TRIANGLES: u32 = 4;
+    const LINE_STRIP: u32 = 3;
+    for (cells, mode, lattice, wanted, note) in [
+        (12, TRIANGLES, "", Topology::Branching, None),
+        (12, LINE_STRIP, "", Topology::Plain, None),
+        (FINE, TRIANGLES, "", Topology::Plain, Some("101250 triangles")),
+        (FINE, TRIANGLES, "topology = 'plain'", Topology::Plain, None),
+        (
+            FINE,
+            TRIANGLES,
+            "cuts = [{ stroke = [[0.5, 0], [0.5, 1]], frame = 1, open = true }]",
+            Topology::Branching,
+            None,
+        ),
+    ] {
+        let prepared = prepared(cells, mode, lattice);
+        assert_eq!(prepared.shot.layers[0].settings.topology, wanted, "{cells} {mode} {lattice}");
+        let is_told = |told: &&String| told.contains("its lattice is plain");
+        let told = prepared.notes.iter().find(is_told);
+        assert_eq!(told.is_some(), note.is_some(), "{told:?}");
+        assert!(note.is_none_or(|note| told.is_some_and(|told| told.contains(note))), "{told:?}");
+    }
 }

@@ -177,7 +177,7 @@ fn branching_lattices_need_a_shape_and_local_handles() {
 }
 
 #[test]
-fn lattices_over_a_picture_branch_by_default_where_they_can() {
+fn lattices_branch_by_default_where_they_can() {
     let topology = |from: &str, layer: &str| shot_with(from, layer).expect("a right shot").layers[0].settings.topology;
     for (from, layer, wanted) in [
         ("image = 'a.png'", "", Topology::Branching),
@@ -185,7 +185,9 @@ fn lattices_over_a_picture_branch_by_default_where_they_can() {
         ("image = 'a.png'", "lattice.topology = 'plain'", Topology::Plain),
         ("image = 'a.png'", "lattice.basis = 'bernstein'", Topology::Plain),
         ("image = 'a.png'", "solve.preset = 'paper'", Topology::Plain),
-        ("scene = 'a.glb'", "", Topology::Plain),
+        ("scene = 'a.glb'", "", Topology::Branching),
+        ("scene = 'a.glb'", "lattice.topology = 'plain'", Topology::Plain),
+        ("scene = 'a.glb'", "lattice.basis = 'bernstein'", Topology::Plain),
         ("scene = 'a.glb'", "lattice.space = 'world'", Topology::Plain),
         ("scene = 'a.glb'", "lattice.topology = 'branching'", Topology::Branching),
         ("scene = 'a.glb'", "lattice = { space = 'world', topology = 'branching' }", Topology::Branching),
