@@ -92,7 +92,7 @@ fn folding(offset: &str) -> Bench {
     Bench::with(
         &scene.json(),
         &format!("{HEAD}{pins}{OUTPUT}")
-            .replace("dims = [4, 4]", "dims = [8, 8]")
+            .replace("dims = [4, 4]", "dims = [8, 8], topology = \"plain\"")
             .replace("name = \"all\"", "name = \"all\"\nsolve = { temporal = 0 }"),
     )
 }
@@ -116,7 +116,7 @@ fn folds_of_the_model_are_reported_with_layer_frame_and_remedy() {
 
 /// An arm on a body: a bar whose end is raised within twelve frames, and lowered again.
 fn arm() -> Bench {
-    let head = HEAD.replace("last = 2", "last = 40").replace("dims = [4, 4]", "dims = [8, 8]");
+    let head = HEAD.replace("last = 2", "last = 40").replace("dims = [4, 4]", "dims = [8, 8], topology = \"plain\"");
     let pins = "
   [[layer.pin]]
   name = \"hand\"

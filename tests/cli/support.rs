@@ -64,6 +64,12 @@ impl Bench {
         Self::with(&square().json(), &format!("{HEAD}{PIN}{OUTPUT}"))
     }
 
+    /// The usual shot with a plain lattice, which warps the whole of a picture.
+    pub(crate) fn plain() -> Self {
+        let head = HEAD.replace("dims = [4, 4]", "dims = [4, 4], topology = \"plain\"");
+        Self::with(&square().json(), &format!("{head}{PIN}{OUTPUT}"))
+    }
+
     /// A scene and a shot.
     pub(crate) fn with(scene: &Value, shot: &str) -> Self {
         let bench = Self { folder: tempfile::tempdir().expect("a temporary folder") };

@@ -293,11 +293,13 @@ fn mattes_that_are_not_there_are_named() {
 
 #[test]
 fn a_layer_of_all_nodes_leaves_the_background_on_request() {
-    let shot = |matte: &str| {
-        format!("{}{matte}{PIN}{OUTPUT}", HEAD.replace("[[layer]]", "plate = \"in/b.####.exr\"\n[[layer]]"))
+    let shot = |topology: &str, matte: &str| {
+        let head = HEAD.replace("[[layer]]", "plate = \"in/b.####.exr\"\n[[layer]]");
+        let head = head.replace("dims = [4, 4]", &format!("dims = [4, 4], topology = \"{topology}\""));
+        format!("{head}{matte}{PIN}{OUTPUT}")
     };
-    let warped = |matte: &str| {
-        let bench = bench(&shot(matte));
+    let warped_by = |topology: &str, matte: &str| {
+        let bench = bench(&shot(topology, matte));
         let ended = bench.run("warp --shot shot.toml --frames 2 -o w.####.exr").says(0, &[]);
         let plate = read_plate(&bench.path("w.0002.exr")).expect("a plate");
         let alpha = plate.parts[0].channel("A").expect("an alpha").samples.clone();
@@ -305,6 +307,7 @@ fn a_layer_of_all_nodes_leaves_the_background_on_request() {
         let lost = (0..alpha.len()).filter(|&index| is_border(index) && alpha[index] < 0.5).count();
         (ended.stderr, lost)
     };
+    let warped = |matte: &str| warped_by("plain", matte);
     let (told, lost) = warped("");
     assert!(lost > 30, "the whole picture moves: {lost}");
     let says = ["warning", "layer 'all' moves all of the scene", "matte = \"nodes\"", "matte = \"none\""];
@@ -312,6 +315,9 @@ fn a_layer_of_all_nodes_leaves_the_background_on_request() {
     let (told, _) = warped("matte = \"none\"\n");
     assert!(!told.contains("moves all"), "{told}");
     let (told, lost) = warped("matte = \"nodes\"\n");
+    assert_eq!(lost, 0, "the background rests");
+    assert!(!told.contains("moves all"), "{told}");
+    let (told, lost) = warped_by("branching", "");
     assert_eq!(lost, 0, "the background rests");
     assert!(!told.contains("moves all"), "{told}");
     let pictures = bench(&SHOT.replace("name    = \"all\"", "matte = \"nodes\""));
