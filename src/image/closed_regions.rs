@@ -2,7 +2,7 @@
 //!
 //! In: the samples of a drawing. Out: [`ClosedRegions`]. Gaps are closed by the trapped-ball method: a region is where a disc as wide as
 //! the greatest gap can go without touching a line. S.-H. Zhang, T. Chen, Y.-F. Zhang, S.-M. Hu and R. R. Martin, "Vectorizing Cartoon
-//! Animations", IEEE Transactions on Visualization and Computer Graphics 15 (2009), 618–629, doi.org/10.1109/TVCG.2009.9, section 3.1.
+//! Animations", IEEE TVCG 15 (2009), 618–629, doi.org/10.1109/TVCG.2009.9, section 3.1.
 
 use super::LabelMap;
 use super::label_map::{NO_LABEL, neighbours};
