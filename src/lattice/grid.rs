@@ -98,7 +98,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the number of cells of the box.
     #[must_use]
-    pub(crate) fn cell_count(&self) -> usize {
+    pub fn cell_count(&self) -> usize {
         self.dims.iter().map(|&count| self.basis.spans(count)).product()
     }
 
