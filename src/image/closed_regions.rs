@@ -5,7 +5,7 @@
 //! Animations", IEEE TVCG 15 (2009), 618–629, doi.org/10.1109/TVCG.2009.9, section 3.1.
 
 use super::LabelMap;
-use super::label_map::{NO_LABEL, neighbours};
+use super::label_map::{NO_LABEL, neighbours, with_neighbours};
 use super::squared_distance::squared_distances;
 use super::srgb::srgb_byte;
 use crate::space::PixelRect;
@@ -109,11 +109,12 @@ impl Drawing {
     fn lines(&self, threshold: f64) -> Vec<bool> {
         let (width, height) = (self.size[0] as usize, self.size[1] as usize);
         let limit = threshold * 255.0;
-        let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
         let is_line = |cell: usize| {
             let (x, y) = (cell % width, cell / width);
             let (mut low, mut high) = ([255_u8; 4], [0_u8; 4]);
-            for [least, greatest] in around(y, height).flat_map(|y| &self.cells[y * width..][around(x, width)]) {
+            for [least, greatest] in
+                with_neighbours(y, height).flat_map(|y| &self.cells[y * width..][with_neighbours(x, width)])
+            {
                 low = std::array::from_fn(|k| low[k].min(least[k]));
                 high = std::array::from_fn(|k| high[k].max(greatest[k]));
             }

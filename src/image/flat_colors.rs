@@ -2,10 +2,9 @@
 //!
 //! In: a plate. Out: a [`LabelMap`] of its display window with one label per colour.
 
-use super::label_map::NO_LABEL;
+use super::label_map::{NO_LABEL, with_neighbours};
 use super::{LabelMap, Plate};
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 
 /// The channels of a colour, and what stands in for those that are missing.
 const CHANNELS: [(&str, f32); 4] = [("R", 0.0), ("G", 0.0), ("B", 0.0), ("A", 1.0)];
@@ -22,9 +21,7 @@ pub(crate) fn flat_colors(plate: &Plate) -> Option<(LabelMap, usize)> {
     let inner = (0..colors.len()).filter(|&pixel| is_visible(&colors[pixel]) && is_flat(size, &colors, pixel));
     for pixel in inner {
         let next = ids.len() as u32 + 1;
-        if let Entry::Vacant(entry) = ids.entry(colors[pixel]) {
-            entry.insert(next);
-        }
+        ids.entry(colors[pixel]).or_insert(next);
     }
     for (label, color) in labels.iter_mut().zip(&colors) {
         *label = ids.get(color).copied().unwrap_or(NO_LABEL);
@@ -62,8 +59,7 @@ fn is_visible(color: &[u32; 4]) -> bool {
 fn is_flat([width, height]: [u32; 2], colors: &[[u32; 4]], pixel: usize) -> bool {
     let (width, height) = (width as usize, height as usize);
     let (x, y) = (pixel % width, pixel / width);
-    let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-    around(y, height).all(|y| around(x, width).all(|x| colors[y * width + x] == colors[pixel]))
+    with_neighbours(y, height).all(|y| with_neighbours(x, width).all(|x| colors[y * width + x] == colors[pixel]))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! In: labels of some pixels. Out: [`LabelMap`], whose pixels without a label take the nearest one.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// The label of pixels that belong to nothing.
 pub(crate) const NO_LABEL: u32 = 0;
@@ -51,6 +52,11 @@ pub(super) fn neighbours([width, height]: [u32; 2], pixel: usize) -> [Option<usi
         (y > 0).then(|| pixel - width),
         (y + 1 < height).then(|| pixel + width),
     ]
+}
+
+/// Returns the row or column of a pixel with those beside it, of `count`.
+pub(super) fn with_neighbours(at: usize, count: usize) -> Range<usize> {
+    at.saturating_sub(1)..(at + 2).min(count)
 }
 
 #[cfg(test)]

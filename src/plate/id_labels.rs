@@ -88,15 +88,10 @@ pub(crate) fn chosen_labels(plate: &Plate, matte: &Matte) -> Result<LabelMap, Pl
             }
             let chosen = summed_coverage(&table, &selection.matte, |id| selection.ids.contains(&id), window);
             let all = summed_coverage(&table, &selection.matte, |id| id != MatteId::NOTHING, window);
-            let label = |(chosen, all): (f32, f32)| match all > 0.0 {
-                true => {
-                    if 2.0 * chosen > all {
-                        CHOSEN
-                    } else {
-                        OTHER
-                    }
-                }
-                false => NO_LABEL,
+            let label = |(chosen, all): (f32, f32)| match (all > 0.0, 2.0 * chosen > all) {
+                (false, _) => NO_LABEL,
+                (true, true) => CHOSEN,
+                (true, false) => OTHER,
             };
             chosen.into_iter().zip(all).map(label).collect()
         }

@@ -69,7 +69,7 @@ pub(in crate::pipeline) fn choose(
         if is_unfit || is_too_fine || has_several_pictures || is_loaded_plain {
             layer.settings.topology = Topology::Plain;
         }
-        if is_too_fine && !is_unfit && !is_loaded_plain && loaded.is_none() {
+        if is_too_fine && !is_unfit && loaded.is_none() {
             notes.push(format!(
                 "layer '{}': its lattice is plain, because it has {triangles} triangles; topology = \"branching\" in its `lattice` \
                  gives parts that are apart handles of their own, at {} s a frame",

@@ -83,10 +83,7 @@ impl RestLinks {
         for (_, links) in &mut self.by_pitch {
             for labels in &self.divisions {
                 let parts = joined_to_pinned(labels, links, pinned);
-                Arc::make_mut(links).retain(|link| {
-                    let [from, to] = link.ends.map(|end| parts[end.triangle as usize]);
-                    from == to
-                });
+                Arc::make_mut(links).retain(|link| !is_between(&parts, link));
             }
         }
     }
@@ -221,11 +218,7 @@ impl LayerLinks<'_> {
                 Cut::Ids(_) | Cut::Regions(_) => {
                     let parts = self.parts_of_picture(&key, cut)?;
                     let count = parts.iter().collect::<BTreeSet<_>>().len();
-                    let is_between = |link: &Link| {
-                        let [from, to] = link.ends.map(|end| parts[end.triangle as usize]);
-                        from != to
-                    };
-                    if by_pitch.iter().any(|(_, links)| links.iter().any(is_between)) {
+                    if by_pitch.iter().any(|(_, links)| links.iter().any(|link| is_between(&parts, link))) {
                         if cut.is_division() {
                             divisions.push(parts);
                         } else {
@@ -271,10 +264,7 @@ impl LayerLinks<'_> {
 
     /// Removes the links between different parts; a surface that stays whole keeps its own.
     fn cut_apart(&self, parts: &[u32], surface: CutSurface, links: &mut Vec<Link>) {
-        links.retain(|link| {
-            let [from, to] = link.ends.map(|end| end.triangle as usize);
-            parts[from] == parts[to] || self.is_kept(link, surface)
-        });
+        links.retain(|link| !is_between(parts, link) || self.is_kept(link, surface));
     }
 
     /// Whether a link is part of a surface that stays whole.
@@ -341,6 +331,12 @@ impl LayerLinks<'_> {
         }
         found
     }
+}
+
+/// Whether a link joins triangles of different parts. `parts`: #triangles.
+fn is_between(parts: &[u32], link: &Link) -> bool {
+    let [from, to] = link.ends.map(|end| parts[end.triangle as usize]);
+    from != to
 }
 
 /// The centroid of a triangle.

@@ -15,7 +15,7 @@
 
 use super::continuity::Interior;
 use super::displacement::Displacement;
-use super::knot::{Descent, Knot};
+use super::knot::{Descent, Knot, have_branches};
 use super::speed_limits::speed_limits;
 use super::timeline::Coupling;
 use crate::solve::cancel::Cancel;
@@ -427,11 +427,6 @@ pub(crate) struct SettledInterval {
 /// The knot before, unless a gap or a cut lies between.
 fn in_take<'a, const D: usize>(before: Option<&'a Option<Knot<D>>>, knot: Option<&Knot<D>>) -> Option<&'a Knot<D>> {
     before?.as_ref().filter(|before| knot.is_some_and(|knot| knot.take == before.take))
-}
-
-/// Whether the lattice branches at one of two knots.
-fn have_branches<const D: usize>(knots: [&Knot<D>; 2]) -> bool {
-    knots.iter().any(|knot| knot.system.has_branches())
 }
 
 /// Whether the speed hardly changes at both ends of an interval.

@@ -323,3 +323,8 @@ fn rotation_between<const D: usize>(from: &[[f64; D]], to: &[[f64; D]]) -> f64 {
     // Where the model rotates with its box, rounding does not.
     if angle.abs() < ROUNDING { 0.0 } else { angle }
 }
+
+/// Whether the lattice branches at one of two knots.
+pub(super) fn have_branches<const D: usize>(knots: [&Knot<D>; 2]) -> bool {
+    knots.iter().any(|knot| knot.system.has_branches())
+}

@@ -2,7 +2,7 @@
 //!
 //! In: the problems of two knots. Out: a limit for each point, of its move relative to the rigid fit of the pins.
 
-use super::knot::Knot;
+use super::knot::{Knot, have_branches};
 use crate::solve::linalg::small_matrix::{distance, minus};
 use crate::solve::problem::{HandlePin, PointPin};
 use crate::solve::targets::Targets;
@@ -19,8 +19,7 @@ const SHARED_FACTOR: f64 = 1.0;
 
 /// Farthest that each point may move from one knot to the next, in units of the space; `least` is permitted to all.
 pub(super) fn speed_limits<const D: usize>(knot: &Knot<D>, next: &Knot<D>, least: f64) -> Vec<f64> {
-    let has_branches = [knot, next].iter().any(|knot| knot.system.has_branches());
-    let factor = if has_branches { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
+    let factor = if have_branches([knot, next]) { TIP_MOTION_FACTOR } else { MOTION_FACTOR };
     let moves = |from: &[[f64; D]], to: &[[f64; D]]| -> Vec<f64> {
         from.iter().zip(to).map(|(from, to)| move_in_model([knot, next], [from, to])).collect()
     };
