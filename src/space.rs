@@ -189,13 +189,6 @@ impl FrameSize {
 
     /// Whether this frame has the aspect ratio `aspect` (width / height), allowing for half a pixel of rounding on each
     /// side, as in a scaled picture.
-    ///
-    /// ```
-    /// use pinwarp::space::FrameSize;
-    /// let shot = FrameSize::new(1920, 1081);
-    /// assert!(FrameSize::new(960, 540).is_as_wide_as(shot.aspect()));
-    /// assert!(!FrameSize::new(960, 544).is_as_wide_as(shot.aspect()));
-    /// ```
     #[must_use]
     pub(crate) fn is_as_wide_as(self, aspect: f64) -> bool {
         let slack = 0.5 * (self.pixel_aspect + aspect) / f64::from(self.height);
@@ -247,5 +240,12 @@ mod tests {
         let screen = frame.screen_from_image(point);
         assert!((screen.0 - DVec2::new(0.5 * 1.4222 / 576.0, 0.5 / 576.0)).length() < 1e-12);
         assert!((frame.image_from_screen(screen).0 - point.0).length() < 1e-9);
+    }
+
+    #[test]
+    fn aspect_ratios_are_compared_with_half_a_pixel_of_rounding() {
+        let shot = FrameSize::new(1920, 1081);
+        assert!(FrameSize::new(960, 540).is_as_wide_as(shot.aspect()));
+        assert!(!FrameSize::new(960, 544).is_as_wide_as(shot.aspect()));
     }
 }

@@ -10,16 +10,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A path with at most one frame counter, in the file name.
-///
-/// ```
-/// use pinwarp::image::SequencePath;
-/// use std::path::Path;
-///
-/// let frames = SequencePath::parse(Path::new("out/frame.####.exr"))?;
-/// assert_eq!(frames.path_of(7), Path::new("out/frame.0007.exr"));
-/// assert_eq!(frames.path_of(-7), Path::new("out/frame.-007.exr"));
-/// # Ok::<(), pinwarp::image::ImageError>(())
-/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SequencePath {
     pattern: PathBuf,

@@ -38,13 +38,6 @@ impl PixelRect {
     }
 
     /// Returns the smallest window that contains both windows; empty windows are ignored.
-    ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
-    /// assert_eq!(a.union(b), PixelRect { x: -2, y: 0, width: 8, height: 6 });
-    /// assert_eq!(a.union(PixelRect { width: 0, ..b }), a);
-    /// ```
     #[must_use]
     pub(crate) fn union(self, other: Self) -> Self {
         if self.area() == 0 || other.area() == 0 {
@@ -69,13 +62,6 @@ impl PixelRect {
     }
 
     /// Returns the same pixels relative to the upper left corner of `origin`.
-    ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let (display, data) = (PixelRect { x: 10, y: 20, width: 8, height: 8 }, PixelRect { x: 9, y: 21, width: 3, height: 3 });
-    /// assert_eq!(data.relative_to(display), PixelRect { x: -1, y: 1, width: 3, height: 3 });
-    /// assert_eq!(data.relative_to(display).placed_in(display), data);
-    /// ```
     #[must_use]
     pub(crate) const fn relative_to(self, origin: Self) -> Self {
         Self { x: self.x - origin.x, y: self.y - origin.y, ..self }
@@ -150,12 +136,6 @@ impl PixelRect {
     }
 
     /// Returns, for each row common to two windows, the range of its samples in this window and in the other, from the top.
-    ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
-    /// assert_eq!(a.shared_rows(b).collect::<Vec<_>>(), [[7..8, 0..1], [11..12, 5..6]]);
-    /// ```
     pub(crate) fn shared_rows(self, other: Self) -> impl Iterator<Item = [Range<usize>; 2]> + Clone {
         let shared = self.intersection(other);
         let rows = if shared.width == 0 { 0 } else { shared.height as usize };
@@ -196,6 +176,16 @@ mod tests {
 
     fn window() -> impl Strategy<Value = PixelRect> {
         (-5..5, -5..5, 0..7_u32, 0..7_u32).prop_map(|(x, y, width, height)| PixelRect { x, y, width, height })
+    }
+
+    #[test]
+    fn two_windows_are_joined_placed_and_walked_by_rows() {
+        let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
+        assert_eq!(a.union(b), PixelRect { x: -2, y: 0, width: 8, height: 6 });
+        assert_eq!(a.union(PixelRect { width: 0, ..b }), a);
+        assert_eq!(b.relative_to(a), PixelRect { x: 3, y: 1, ..b });
+        assert_eq!(b.relative_to(a).placed_in(a), b);
+        assert_eq!(a.shared_rows(b).collect::<Vec<_>>(), [[7..8, 0..1], [11..12, 5..6]]);
     }
 
     proptest! {

@@ -25,11 +25,6 @@ const PREFIX: &str = "cryptomatte/";
 
 impl MatteHeader {
     /// Returns the key of a name: seven digits of its hash, the same for every frame and shot.
-    ///
-    /// ```
-    /// use pinwarp::image::cryptomatte::MatteHeader;
-    /// assert_eq!(MatteHeader::key_of("ViewLayer.CryptoMaterial"), "c7dbf5e");
-    /// ```
     #[must_use]
     pub(crate) fn key_of(name: &str) -> String {
         format!("{:08x}", murmur3_32(name.as_bytes()))[..7].to_owned()
