@@ -23,6 +23,7 @@ mod font;
 mod guard;
 mod kept;
 mod kind;
+mod label_borders;
 mod label_map;
 mod mask;
 mod metadata;

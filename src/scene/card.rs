@@ -2,6 +2,7 @@
 //!
 //! In: the frame's aspect ratio. Out: a [`Scene`] of unlit cards in front of a camera that sees exactly the frame.
 
+use super::outline::{Triangulated, cut_along};
 use super::{Camera, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
 use glam::{Quat, Vec2, Vec3};
 
@@ -78,6 +79,13 @@ pub(super) fn card(points: &[[f64; 2]], triangles: Vec<[u32; 3]>, aspect: f64) -
         triangles,
         ..Primitive::default()
     }
+}
+
+/// Returns a card that is divided along polylines on the screen, from which it deviates by up to `tolerance`, frame heights.
+pub(crate) fn cut_card(of: &Primitive, aspect: f64, lines: &[Vec<[f64; 2]>], tolerance: f64) -> Primitive {
+    let points = of.positions.iter().map(|point| [f64::from(point.x), f64::from(point.y)]).collect();
+    let cut = cut_along(&Triangulated { points, triangles: of.triangles.clone() }, lines, tolerance);
+    card(&cut.points, cut.triangles, aspect)
 }
 
 #[cfg(test)]

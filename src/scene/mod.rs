@@ -31,6 +31,7 @@ mod texture;
 mod vertices;
 
 pub use access::FileAccess;
+pub(crate) use card::cut_card;
 pub use card::frame_card;
 pub use error::SceneError;
 pub use find::FindError;

@@ -165,6 +165,32 @@ fn closed_regions_cut_apart_what_touches() {
     check_free("one.exr", &["{ regions = { file = 'lines.exr', at = [[0.82, 0.4]] } }"]);
 }
 
+#[test]
+fn an_opaque_picture_tears_along_the_cut_and_not_along_its_triangles() {
+    let wall = wall();
+    wall.hang("full.exr", SIZE, drawn(SIZE, "", |_, _| 1.0));
+    let border = |y: f32| 24.0 + 0.6 * y;
+    let pixel = |x: u32, y: u32| {
+        let is_right = x as f32 + 0.5 > 2.0 * border((y as f32 + 0.5) / 2.0);
+        image::Rgba([if is_right { 255 } else { 0 }, 0, 90, 255])
+    };
+    image::RgbaImage::from_fn(192, 128, pixel).save(wall.folder.path().join("slant.png")).expect("saved");
+    let (held, moved) = ([0.0; 2], [16.0, 0.0]);
+    let pins = pins(&[(12.0, 12.0, held), (12.0, 50.0, held), (60.0, 12.0, moved), (75.0, 50.0, moved)]);
+    for cut in ["{ ids = { file = 'slant.png' } }", "{ mask = { file = 'slant.png' } }", "[[0.375, 1.0], [0.975, 0.0]]"]
+    {
+        let (frame, _) = wall.render(wall.shot(&text_of("full.exr", cut, &pins)));
+        for y in 2..62 {
+            let is_seen = |x: &i32| at(&frame, "A", *x, y) > 0.5;
+            let found = [(0..96).find(|x| !is_seen(x)), (40..96).find(|x| !is_seen(&(x - 1)) && is_seen(x))];
+            for (found, shift) in found.into_iter().zip([0.0, moved[0]]) {
+                let off = found.map(|x| x as f32 - border(y as f32 + 0.5) - shift);
+                assert!(off.is_some_and(|off| off.abs() < 1.5), "{cut}: row {y} is off by {off:?} pixels");
+            }
+        }
+    }
+}
+
 /// The fault of a shot of a picture with these cuts.
 fn fault_of(image: &str, cuts: &str) -> String {
     let wall = wall();

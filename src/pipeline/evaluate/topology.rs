@@ -35,7 +35,8 @@ pub(in crate::pipeline) fn branching_remedy(shot: &Shot, layer: &Layer) -> &'sta
     }
 }
 
-fn can_branch(layer: &Layer) -> bool {
+/// Whether the lattice of a layer may branch.
+pub(in crate::pipeline) fn can_branch(layer: &Layer) -> bool {
     layer.basis.can_branch() && layer.settings.branching_fault().is_none()
 }
 

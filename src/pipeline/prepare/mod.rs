@@ -15,6 +15,7 @@ pub(super) mod mattes;
 pub(super) mod mesh_resolution;
 pub(super) mod mirrored_pins;
 pub(super) mod missing_files;
+pub(super) mod picture_cuts;
 pub(super) mod picture_parts;
 pub(super) mod prepared_shot;
 pub(super) mod reflection;
@@ -45,6 +46,7 @@ use glam::DVec2;
 use layer_assignment::LayerAssignment;
 use mattes::Mattes;
 use mesh_resolution::coarse_meshes;
+use picture_cuts::PictureCuts;
 use prepared_shot::{DrawInputs, LayerInputs};
 use rest_links::rest_links;
 use rest_mesh::RestMesh;
@@ -91,9 +93,14 @@ impl PreparedShot {
         let mut notes = scene.warnings.clone();
         notes.extend(shot.range_notes());
         let clip = choose_clip(&shot, &scene, &mut notes)?;
-        let first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.reference_frame())));
+        let mut first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.reference_frame())));
         check_parts(&shot, &first, &hidden_nodes)?;
-        let assignment = LayerAssignment::new(&shot, &scene, &first.parts)?;
+        let mut assignment = LayerAssignment::new(&shot, &scene, &first.parts)?;
+        let cuts = PictureCuts::find((&shot, &scene), (&first.parts, &assignment.parts_of_layer))?;
+        if cuts.divide(&shot, &mut scene) {
+            first = pose(&scene, clip, shot.frames.seconds(f64::from(shot.reference_frame())));
+            assignment = LayerAssignment::new(&shot, &scene, &first.parts)?;
+        }
         let context = CameraContext { shot: &shot, scene: &scene, clip, parts_of_layer: &assignment.parts_of_layer };
         let camera = cameras::choose(&context, &mut notes)?;
         if let CameraSource::Own { camera, .. } = &camera {
@@ -111,7 +118,7 @@ impl PreparedShot {
             let camera = camera.at((&shot, &scene), f64::from(frame), &pose);
             (pose, camera)
         };
-        let links = rest_links((&shot, &scene), &assignment.parts_of_layer, &view)?;
+        let links = rest_links((&shot, &scene), (&assignment.parts_of_layer, &cuts), &view)?;
         let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
             shot,

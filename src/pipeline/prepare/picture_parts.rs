@@ -1,6 +1,6 @@
-//! The parts into which a mask, ids or the lines of a drawing divide the triangles of a picture.
+//! The parts into which a mask, ids or the lines of a drawing divide a picture.
 //!
-//! In: a cut, a picture as triangles. Out: the part of every triangle, or a [`Fault`].
+//! In: a cut of a picture. Out: the part of every pixel or triangle, or a [`Fault`].
 
 use super::rest_mesh::RestMesh;
 use crate::image::{
@@ -9,7 +9,7 @@ use crate::image::{
 use crate::pipeline::PipelineError;
 use crate::pipeline::pictures::{drawing_in, drawing_of};
 use crate::plate::{PlateError, channel_labels, chosen_labels, cryptomatte_labels};
-use crate::shot::{IdChoice, IdPicture, LineArt, PaintedMask, Shot};
+use crate::shot::{Cut, IdChoice, IdPicture, LineArt, PaintedMask, Selection, Shot};
 use crate::space::FrameSize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -40,48 +40,55 @@ impl Fault {
     }
 }
 
-/// A picture of a shot as triangles, which lie on the screen.
+/// A picture of a shot.
 pub(super) struct PictureParts<'a> {
     /// The shot.
     pub(super) shot: &'a Shot,
     /// Name of the picture.
     pub(super) name: &'a str,
-    /// Its triangles.
-    pub(super) mesh: &'a RestMesh,
 }
 
 impl PictureParts<'_> {
-    /// Returns 1 for the triangles whose middle is painted in a mask that lies over the frame, 2 for the others.
-    pub(super) fn painted(&self, mask: &PaintedMask) -> Result<Vec<u32>, Fault> {
-        let map = PaintedMap::read(&mask.file, mask.channel.index()).map_err(|error| {
-            Fault::new("mask.file", error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
-        })?;
-        self.check_shape("mask", map.size)?;
-        let label = |[u, v]: [f64; 2]| if map.at([u as f32, v as f32]) > 0.5 { CHOSEN } else { OTHER };
-        Ok(self.places(|[a, b, c]| label([0, 1].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0))))
+    /// Returns the parts into which a cut divides the frame; `None` for strokes, and for cuts that name nothing of a picture.
+    pub(super) fn of(&self, cut: &Cut) -> Result<Option<LabelMap>, Fault> {
+        match cut {
+            Cut::Ids(ids) => self.by_ids(ids).map(Some),
+            Cut::Regions(lines) => self.by_regions(lines).map(Some),
+            Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } => self.painted(mask).map(Some),
+            Cut::Part { .. } | Cut::Stroke(_) | Cut::SceneStroke { .. } => Ok(None),
+        }
     }
 
-    /// Returns the part of every triangle by the ids of a picture over the frame.
-    pub(super) fn by_ids(&self, picture: &IdPicture) -> Result<Vec<u32>, Fault> {
+    /// Returns [`CHOSEN`] where a mask that lies over the frame is painted, [`OTHER`] elsewhere.
+    fn painted(&self, mask: &PaintedMask) -> Result<LabelMap, Fault> {
+        let PaintedMap { size, values } = PaintedMap::read(&mask.file, mask.channel.index()).map_err(|error| {
+            Fault::new("mask.file", error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
+        })?;
+        self.check_shape("mask", size)?;
+        let label = |value: f32| if value > 0.5 { CHOSEN } else { OTHER };
+        Ok(LabelMap { size, labels: values.into_iter().map(label).collect() })
+    }
+
+    /// Returns the parts by the ids of a picture over the frame.
+    fn by_ids(&self, picture: &IdPicture) -> Result<LabelMap, Fault> {
         const KEY: &str = "ids.file";
         let plate = read_any(&picture.file)
             .map_err(|error| Fault::new(KEY, error.to_string(), "give a PNG or EXR file of the picture's shape"))?;
         let FrameSize { width, height, .. } = plate.frame_size();
         self.check_shape("ids", [width, height])?;
         let missing = |error: PlateError| missing(&picture.file, error);
-        let map = match &picture.ids {
-            IdChoice::Chosen(matte) => chosen_labels(&plate, matte).map_err(missing)?,
-            IdChoice::EachOfChannel(channel) => channel_labels(&plate, channel).map_err(missing)?,
+        match &picture.ids {
+            IdChoice::Chosen(matte) => chosen_labels(&plate, matte).map_err(missing),
+            IdChoice::EachOfChannel(channel) => channel_labels(&plate, channel).map_err(missing),
             IdChoice::Each(of) => match cryptomatte_labels(&plate, of.as_deref()).map_err(missing)? {
-                Some(map) => map,
-                None => colors_of(&plate, &picture.file)?,
+                Some(map) => Ok(map),
+                None => colors_of(&plate, &picture.file),
             },
-        };
-        Ok(self.majority(&map))
+        }
     }
 
-    /// Returns the part of every triangle by the regions that lines close.
-    pub(super) fn by_regions(&self, lines: &LineArt) -> Result<Vec<u32>, Fault> {
+    /// Returns the parts by the regions that lines close.
+    fn by_regions(&self, lines: &LineArt) -> Result<LabelMap, Fault> {
         let found = match &lines.file {
             Some(file) => drawing_in(self.shot, file),
             None => drawing_of(self.shot, self.name),
@@ -103,7 +110,7 @@ impl PictureParts<'_> {
             let chosen = self.regions_at(&lines.at, &inside)?;
             map.labels.iter_mut().for_each(|label| *label = if chosen.contains(label) { CHOSEN } else { OTHER });
         }
-        Ok(self.majority(&map))
+        Ok(map)
     }
 
     fn regions(&self, drawing: &Drawing, lines: &LineArt) -> ClosedRegions {
@@ -145,34 +152,36 @@ impl PictureParts<'_> {
         Err(Fault::new(&format!("{key}.file"), what, hint))
     }
 
-    /// Returns the part that has most of each triangle; of equal shares, the one with the smaller label.
-    fn majority(&self, map: &LabelMap) -> Vec<u32> {
-        let shares: Vec<[f64; 3]> = (0..PLACES)
-            .flat_map(|i| (0..PLACES - i).map(move |j| [i, j, PLACES - 1 - i - j]))
-            // The middles of equal cells, so that no place lies on a side.
-            .map(|counts| counts.map(|count| (count as f64 + 1.0 / 3.0) / PLACES as f64))
-            .collect();
-        self.places(|corners| {
-            let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
-            for shares in &shares {
-                let at = [0, 1].map(|axis| (0..3).map(|k| shares[k] * corners[k][axis]).sum());
-                *counts.entry(map.at(at)).or_default() += 1;
-            }
-            let most = counts.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
-            most.map_or(NO_LABEL, |(label, _)| *label)
-        })
-    }
-
-    /// Looks up every triangle by its corners in the unit square over the picture.
-    fn places(&self, label: impl Fn([[f64; 2]; 3]) -> u32) -> Vec<u32> {
-        let points: Vec<[f64; 2]> = self.mesh.flat().into_iter().map(|point| self.over_picture(point)).collect();
-        self.mesh.triangles.iter().map(|corners| label(corners.map(|corner| points[corner as usize]))).collect()
-    }
-
     /// Converts a point of the screen to the unit square, y down.
-    fn over_picture(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [x / self.shot.size.aspect(), 1.0 - y]
+    fn over_picture(&self, at: [f64; 2]) -> [f64; 2] {
+        over_picture(at, self.shot.size)
     }
+}
+
+/// Converts a point of the screen to the unit square over the frame, y down.
+fn over_picture([x, y]: [f64; 2], size: FrameSize) -> [f64; 2] {
+    [x / size.aspect(), 1.0 - y]
+}
+
+/// Returns the part that has most of each triangle of a picture in a frame of this size; of equal shares, the one with the smaller label.
+pub(super) fn parts_of_triangles(mesh: &RestMesh, map: &LabelMap, size: FrameSize) -> Vec<u32> {
+    let shares: Vec<[f64; 3]> = (0..PLACES)
+        .flat_map(|i| (0..PLACES - i).map(move |j| [i, j, PLACES - 1 - i - j]))
+        // The middles of equal cells, so that no place lies on a side.
+        .map(|counts| counts.map(|count| (count as f64 + 1.0 / 3.0) / PLACES as f64))
+        .collect();
+    let points: Vec<[f64; 2]> = mesh.flat().into_iter().map(|point| over_picture(point, size)).collect();
+    let most = |corners: &[u32; 3]| {
+        let corners = corners.map(|corner| points[corner as usize]);
+        let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+        for shares in &shares {
+            let at = [0, 1].map(|axis| (0..3).map(|k| shares[k] * corners[k][axis]).sum());
+            *counts.entry(map.at(at)).or_default() += 1;
+        }
+        let most = counts.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
+        most.map_or(NO_LABEL, |(label, _)| *label)
+    };
+    mesh.triangles.iter().map(most).collect()
 }
 
 /// Returns the flat colours of a picture.

@@ -4,7 +4,8 @@
 //! numbered consecutively over all parts.
 
 use super::loose_parts::joined_to_pinned;
-use super::picture_parts::{CHOSEN, Fault, OTHER, PictureParts};
+use super::picture_cuts::{PictureCuts, fault};
+use super::picture_parts::{CHOSEN, OTHER, parts_of_triangles};
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::screen_cut::ScreenCut;
 use super::selection::cut_off;
@@ -89,13 +90,14 @@ impl RestLinks {
     }
 }
 
-/// Returns the links of every layer; `None` for layers whose lattice does not branch. `view`: the pose and the camera of a frame.
+/// Returns the links of every layer; `None` for layers whose lattice does not branch. `cuts`: those of pictures; `view`: the pose and the
+/// camera of a frame.
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] if a cut separates nothing or names something that does not exist.
-pub(in crate::pipeline) fn rest_links(
+pub(super) fn rest_links(
     (shot, scene): (&Shot, &Scene),
-    parts_of_layer: &[Vec<usize>],
+    (parts_of_layer, cuts): (&[Vec<usize>], &PictureCuts),
     view: &dyn Fn(i32) -> (Pose, Camera),
 ) -> Result<Vec<Option<RestLinks>>, PipelineError> {
     let mut rest = None;
@@ -112,7 +114,7 @@ pub(in crate::pipeline) fn rest_links(
             Source::Scene(_) => links_of_solid(&mesh, radius),
             Source::Images(_) | Source::Frame => vec![(1.0, surface_links(&mesh.flat(), &mesh.triangles, radius))],
         };
-        let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh, view };
+        let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh, cuts, view };
         let divisions = layer.cut(&mut by_pitch)?;
         layer.join(&mut by_pitch)?;
         let sorted = |(pitch, mut links): (f64, Vec<Link>)| {
@@ -170,6 +172,7 @@ struct LayerLinks<'a> {
     parts: &'a [usize],
     rest: &'a Pose,
     mesh: &'a RestMesh,
+    cuts: &'a PictureCuts,
     /// The pose and the camera of a frame.
     view: &'a dyn Fn(i32) -> (Pose, Camera),
 }
@@ -180,13 +183,7 @@ impl LayerLinks<'_> {
     }
 
     fn fault(&self, key: &str, what: &str, hint: &str) -> PipelineError {
-        let (index, name) = (self.index, &self.layer().name);
-        PipelineError::mismatch(
-            self.shot,
-            &format!("layer[{index}].lattice.{key}"),
-            format!("layer '{name}': {what}"),
-            hint,
-        )
+        fault((self.shot, self.index), key, what, hint)
     }
 
     /// Removes the links that cuts separate, except those between the parts of divisions, which are returned.
@@ -208,7 +205,7 @@ impl LayerLinks<'_> {
                 Cut::Part { nodes, selection, surface } => {
                     let (parts, hint) = match self.shot.source {
                         Source::Scene(_) => (self.named(number, (nodes, selection))?, NAMED_HINT),
-                        Source::Images(_) | Source::Frame => (self.parts_of_picture(&key, cut)?, PAINTED_HINT),
+                        Source::Images(_) | Source::Frame => (self.parts_of_picture(number), PAINTED_HINT),
                     };
                     by_pitch.iter_mut().for_each(|(_, links)| self.cut_apart(&parts, *surface, links));
                     let count = parts.iter().filter(|part| **part == CHOSEN).count();
@@ -216,7 +213,7 @@ impl LayerLinks<'_> {
                     (format!("cut {number} separates nothing: it selects {count} of {of} triangles"), hint)
                 }
                 Cut::Ids(_) | Cut::Regions(_) => {
-                    let parts = self.parts_of_picture(&key, cut)?;
+                    let parts = self.parts_of_picture(number);
                     let count = parts.iter().collect::<BTreeSet<_>>().len();
                     if by_pitch.iter().any(|(_, links)| links.iter().any(|link| is_between(&parts, link))) {
                         if cut.is_division() {
@@ -247,19 +244,13 @@ impl LayerLinks<'_> {
         Ok(is_in.into_iter().map(|is_in| if is_in { CHOSEN } else { OTHER }).collect())
     }
 
-    /// Returns the part of every triangle of a picture.
-    fn parts_of_picture(&self, key: &str, cut: &Cut) -> Result<Vec<u32>, PipelineError> {
-        let node = self.mesh.nodes.first().map_or("", |&node| self.scene.nodes[node].name.as_str());
-        let picture = PictureParts { shot: self.shot, name: node, mesh: self.mesh };
-        let parts = match cut {
-            Cut::Ids(ids) => picture.by_ids(ids),
-            Cut::Regions(lines) => picture.by_regions(lines),
-            Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } => picture.painted(mask),
-            Cut::Part { .. } | Cut::Stroke(_) | Cut::SceneStroke { .. } => {
-                return Ok(vec![OTHER; self.mesh.triangles.len()]);
-            }
-        };
-        parts.map_err(|Fault { key: own, what, hint }| self.fault(&format!("{key}.{own}"), &what, &hint))
+    /// Returns the part of every triangle of a picture by one of its cuts.
+    fn parts_of_picture(&self, cut: usize) -> Vec<u32> {
+        let map = self.cuts.map(self.index, cut);
+        map.map_or_else(
+            || vec![OTHER; self.mesh.triangles.len()],
+            |map| parts_of_triangles(self.mesh, map, self.shot.size),
+        )
     }
 
     /// Removes the links between different parts; a surface that stays whole keeps its own.

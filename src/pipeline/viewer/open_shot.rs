@@ -11,7 +11,7 @@ use crate::pipeline::{PipelineError, PreparedShot};
 use crate::pose::pose;
 use crate::raster::ChannelGroup;
 use crate::scene::Scene;
-use crate::shot::{BrushStroke, CameraRule, KeyLines, Layer, LayerSpace, Pin, Shot, StiffnessRule};
+use crate::shot::{BrushStroke, CameraRule, Cut, KeyLines, Layer, LayerSpace, Pin, Shot, Source, StiffnessRule};
 use crate::solve::Settings;
 use std::collections::BTreeSet;
 
@@ -210,7 +210,8 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
         && old.visibility == new.visibility
         && old.allow_outside == new.allow_outside
         && old.size == new.size
-        && old.path == new.path;
+        && old.path == new.path
+        && (matches!(new.source, Source::Scene(_)) || cuts(old) == cuts(new));
     if !has_same_source {
         return Rework::Scene;
     }
@@ -229,6 +230,11 @@ fn rework(old: &Shot, new: &Shot) -> Rework {
     } else {
         Rework::Frames
     }
+}
+
+/// Returns the cuts of each layer, along which the meshes of pictures are divided.
+fn cuts(shot: &Shot) -> Vec<&[Cut]> {
+    shot.layers.iter().map(|layer| &layer.connectivity.cuts[..]).collect()
 }
 
 /// Returns what determines the stiffness of each layer.

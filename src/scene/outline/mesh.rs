@@ -111,7 +111,7 @@ fn is_well_inside(segments: &[([f64; 2], [f64; 2])], at: [f64; 2], clearance: f6
 }
 
 /// Drops unused vertices and sorts the others in reading order; sorts triangles, smallest corner first.
-fn packed(points: &[[f64; 2]], triangles: Vec<[usize; 3]>) -> Triangulated {
+pub(super) fn packed(points: &[[f64; 2]], triangles: Vec<[usize; 3]>) -> Triangulated {
     let mut used: Vec<usize> = triangles.iter().flatten().copied().collect();
     used.sort_by(|&a, &b| points[a][1].total_cmp(&points[b][1]).then(points[a][0].total_cmp(&points[b][0])));
     used.dedup();

@@ -5,9 +5,11 @@
 
 mod contour;
 mod coverage;
+mod cut_lines;
 mod mesh;
 mod simplify;
 
+pub(super) use cut_lines::cut_along;
 pub(super) use mesh::Triangulated;
 
 use crate::space::PixelRect;

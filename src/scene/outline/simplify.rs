@@ -1,7 +1,7 @@
-//! Simplifies closed outlines (Douglas and Peucker, "Algorithms for the reduction of the number of points required to
+//! Simplifies lines and closed outlines (Douglas and Peucker, "Algorithms for the reduction of the number of points required to
 //! represent a digitized line or its caricature", 1973).
 //!
-//! In: a loop and a tolerance. Out: a subset of its points, at least three.
+//! In: a line or a loop, and a tolerance. Out: a subset of its points, of a loop at least three.
 
 use super::contour;
 
@@ -17,9 +17,31 @@ pub(super) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let mut is_kept = vec![false; count];
     (is_kept[0], is_kept[far]) = (true, true);
     // The last section leads back to the first point.
-    let mut open = vec![[0, far], [far, count]];
-    while let Some([from, to]) = open.pop() {
-        let (a, b) = (points[from], points[to % count]);
+    keep_needed(points, vec![[0, far], [far, count]], tolerance, &mut is_kept);
+    if is_kept.iter().filter(|&&is_kept| is_kept).count() < 3 {
+        let off = |k: usize| distance_to_segment(points[k], points[0], points[far]);
+        is_kept[farthest((1..count).filter(|&k| k != far), off)] = true;
+    }
+    (0..count).filter(|&k| is_kept[k]).map(|k| points[k]).collect()
+}
+
+/// Returns the points needed to stay within `tolerance` of a line; it is closed if it ends at its first point.
+pub(super) fn simplified_line(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+    let last = points.len().saturating_sub(1);
+    if last < 2 {
+        return points.to_vec();
+    }
+    let mut is_kept = vec![false; points.len()];
+    let middle = if points[0] == points[last] { farthest(1..last, |k| distance(points[0], points[k])) } else { 0 };
+    (is_kept[0], is_kept[middle], is_kept[last]) = (true, true, true);
+    keep_needed(points, vec![[0, middle], [middle, last]], tolerance, &mut is_kept);
+    (0..=last).filter(|&k| is_kept[k]).map(|k| points[k]).collect()
+}
+
+/// Marks the points needed to stay within `tolerance` of sections, given by their ends; the index after the last is the first point.
+fn keep_needed(points: &[[f64; 2]], mut sections: Vec<[usize; 2]>, tolerance: f64, is_kept: &mut [bool]) {
+    while let Some([from, to]) = sections.pop() {
+        let (a, b) = (points[from], points[to % points.len()]);
         let off = |k: usize| distance_to_segment(points[k], a, b);
         if to - from < 2 {
             continue;
@@ -27,14 +49,9 @@ pub(super) fn simplified(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
         let middle = farthest(from + 1..to, off);
         if off(middle) > tolerance {
             is_kept[middle] = true;
-            open.extend([[from, middle], [middle, to]]);
+            sections.extend([[from, middle], [middle, to]]);
         }
     }
-    if is_kept.iter().filter(|&&is_kept| is_kept).count() < 3 {
-        let off = |k: usize| distance_to_segment(points[k], points[0], points[far]);
-        is_kept[farthest((1..count).filter(|&k| k != far), off)] = true;
-    }
-    (0..count).filter(|&k| is_kept[k]).map(|k| points[k]).collect()
 }
 
 /// Returns the first index with the maximum value.
