@@ -268,6 +268,13 @@ pub enum LayerSpace {
     },
 }
 
+impl Layer {
+    /// Whether the lattice may branch.
+    pub(crate) fn can_branch(&self) -> bool {
+        self.basis.can_branch() && self.settings.branching_fault().is_none()
+    }
+}
+
 impl LayerSpace {
     /// Returns the number of handles along x, y and z; in screen space one layer of them.
     #[must_use]

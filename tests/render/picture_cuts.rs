@@ -188,6 +188,7 @@ fn an_opaque_picture_tears_along_the_cut_and_not_along_its_triangles() {
                 assert!(off.is_some_and(|off| off.abs() < 1.5), "{cut}: row {y} is off by {off:?} pixels");
             }
         }
+        std::fs::remove_dir_all(wall.folder.path().join("out")).expect("frames were written");
     }
 }
 

@@ -28,16 +28,11 @@ pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), Pip
 /// What to do where parts that are apart on a model share handles; empty where the layer branches already, or cannot.
 pub(in crate::pipeline) fn branching_remedy(shot: &Shot, layer: &Layer) -> &'static str {
     let is_plain = layer.settings.topology == Topology::Plain;
-    if is_plain && can_branch(layer) && matches!(shot.source, Source::Scene(_)) {
+    if is_plain && layer.can_branch() && matches!(shot.source, Source::Scene(_)) {
         ", give parts that are apart on the model handles of their own (topology = \"branching\" in `lattice`)"
     } else {
         ""
     }
-}
-
-/// Whether the lattice of a layer may branch.
-pub(in crate::pipeline) fn can_branch(layer: &Layer) -> bool {
-    layer.basis.can_branch() && layer.settings.branching_fault().is_none()
 }
 
 /// Largest number of triangles of a scene's layer that branches unless its shot says otherwise: every frame splits it anew, which
@@ -66,7 +61,7 @@ pub(in crate::pipeline) fn choose(
         let (triangles, has_lines) = size_of(parts.iter().map(|&part| primitive(scene, &posed[part])));
         let is_by_hand = layer.connectivity != Connectivity::default();
         let is_too_fine = !is_picture && !is_by_hand && triangles > MAX_BRANCHING_TRIANGLES;
-        let is_unfit = !can_branch(layer) || triangles == 0 || has_lines;
+        let is_unfit = !layer.can_branch() || triangles == 0 || has_lines;
         if is_unfit || is_too_fine || has_several_pictures || is_loaded_plain {
             layer.settings.topology = Topology::Plain;
         }

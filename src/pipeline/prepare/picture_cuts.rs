@@ -5,7 +5,6 @@
 use super::picture_parts::{Fault, PictureParts};
 use crate::image::LabelMap;
 use crate::pipeline::PipelineError;
-use crate::pipeline::evaluate::topology::can_branch;
 use crate::pose::PosedPart;
 use crate::scene::{Scene, cut_card};
 use crate::shot::{Cut, Shot, Source};
@@ -49,7 +48,7 @@ impl PictureCuts {
             // Several pictures in one layer are refused later.
             let &[part] = &parts[..] else { continue };
             let node = &scene.nodes[posed[part].node];
-            let Some(mesh) = node.mesh.filter(|_| can_branch(layer)) else { continue };
+            let Some(mesh) = node.mesh.filter(|_| layer.can_branch()) else { continue };
             for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
                 let map = PictureParts { shot, name: &node.name }.of(cut).map_err(|Fault { key, what, hint }| {
                     fault((shot, index), &format!("cuts[{number}].{key}"), &what, &hint)
