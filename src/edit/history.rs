@@ -33,6 +33,10 @@ impl History {
                 Recorded::Added(command)
             }
             Some(joined) => {
+                if joined.is_none() {
+                    // The command before belongs to another series.
+                    self.open = None;
+                }
                 self.done.pop();
                 self.done.extend(joined.clone());
                 Recorded::Joined(joined)
@@ -121,5 +125,19 @@ mod tests {
         assert_eq!(text, "b");
         change(&mut history, &mut text, "f", Some("nudge"));
         assert_eq!((history.redo(&text), history.labels().count()), (None, 2));
+    }
+
+    #[test]
+    fn a_series_that_cancels_out_leaves_the_command_before_it_alone() {
+        let (mut history, mut text) = (History::default(), "a".to_owned());
+        change(&mut history, &mut text, "b", None);
+        for to in ["c", "b", "d"] {
+            change(&mut history, &mut text, to, Some("nudge"));
+        }
+        assert_eq!(history.labels().count(), 2);
+        (text, _) = history.undo(&text).expect("the last nudge");
+        assert_eq!(text, "b");
+        (text, _) = history.undo(&text).expect("the first change");
+        assert_eq!(text, "a");
     }
 }
