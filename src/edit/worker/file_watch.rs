@@ -33,15 +33,21 @@ impl FileWatch {
         Self { shot: shot.path.clone(), stamps: paths.map(|path| (path.clone(), stamp(path))).collect() }
     }
 
-    /// Returns what changed since the last call. Missing files are ignored: either they are being written, or using
-    /// them will report the error.
+    /// Returns whether this is the shot that is watched.
+    pub(super) fn is_of(&self, open: &OpenShot) -> bool {
+        self.shot == open.given().path
+    }
+
+    /// Returns what changed since the last call; a shot file that was removed has changed. Other missing files are
+    /// ignored: either they are being written, or using them will report the error.
     pub(super) fn look(&mut self) -> Changed {
         let mut changed = Changed::default();
         for (path, known) in &mut self.stamps {
             let now = stamp(path);
-            if now.is_some() && now != *known {
+            let is_shot = *path == self.shot;
+            if now != *known && (is_shot || now.is_some()) {
                 *known = now;
-                if *path == self.shot { changed.shot = true } else { changed.scene = true }
+                if is_shot { changed.shot = true } else { changed.scene = true }
             }
         }
         changed
