@@ -53,3 +53,27 @@ impl FileWatch {
         changed
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_removed_shot_file_has_changed_and_a_removed_scene_has_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let paths = ["shot.toml", "scene.glb"].map(|name| folder.path().join(name));
+        for path in &paths {
+            fs::write(path, "").expect("written");
+        }
+        let stamps = paths.iter().map(|path| (path.clone(), stamp(path))).collect();
+        let mut watch = FileWatch { shot: paths[0].clone(), stamps };
+        assert_eq!(watch.look(), Changed::default());
+        for path in &paths {
+            fs::remove_file(path).expect("there");
+        }
+        assert_eq!(watch.look(), Changed { shot: true, scene: false });
+        assert_eq!(watch.look(), Changed::default(), "it is told once");
+        fs::write(&paths[0], "").expect("written");
+        assert_eq!(watch.look(), Changed { shot: true, scene: false });
+    }
+}
