@@ -58,7 +58,7 @@ pub(crate) use shortcuts::{Chord, Shortcuts};
 pub(crate) use tour::Tour;
 pub(crate) use track::AutoKey;
 pub use track_keys::Track;
-pub(crate) use unfinished::{Unfinished, unfinished};
+pub(crate) use unfinished::{Unfinished, forget, unfinished};
 pub(crate) use view_settings::{Brightness, PanelSizes, ViewSettings};
 pub use worker::SolvedFrame;
 pub use zoom::{Lens, Zoom};

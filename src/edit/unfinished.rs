@@ -67,6 +67,11 @@ pub(super) fn taken_up(journal: &Path) -> io::Result<(Unfinished, File)> {
     Ok((replayed.left(journal.to_owned()), file))
 }
 
+/// Deletes a journal, unless another editor has recovered it meanwhile.
+pub(crate) fn forget(journal: &Path) {
+    let _ = taken_up(journal).and_then(|_locked| fs::remove_file(journal));
+}
+
 /// Locks the journal of an editor that does not run; returns false if the file system has no locks.
 fn lock(file: &File) -> io::Result<bool> {
     match file.try_lock() {
@@ -226,6 +231,7 @@ mod tests {
         let mut journal = Journal::resume(path.clone(), file, left.length).expect("writable");
         journal.note(&change("two", "three")).expect("written");
         assert_eq!(taken_up(&path).map(|_| ()).expect_err("it is open").kind(), ErrorKind::WouldBlock);
+        forget(&path);
         let again = fs::read_to_string(&path).expect("there");
         drop(journal);
         fs::write(&path, again).expect("written");

@@ -4,7 +4,7 @@
 
 use super::dialogs::{Answer, ask};
 use super::editor::{Deferred, Editor};
-use crate::edit::{DiskChange, Document, EditError, unfinished};
+use crate::edit::{DiskChange, Document, EditError, forget, unfinished};
 use crate::spelling::pluralised;
 use eframe::egui;
 use std::path::Path;
@@ -35,7 +35,7 @@ impl Editor {
 
     /// Deletes the work that a killed editor left in a journal.
     pub(super) fn forget(&mut self, journal: &Path) {
-        let _ = std::fs::remove_file(journal);
+        forget(journal);
         self.left.retain(|left| left.journal != journal);
     }
 
