@@ -3,7 +3,9 @@
 //! In: the text before and after. Out: plain data that converts either into the other. Every edit of a shot is one
 //! command, so that all edits can be undone, redone and journalled.
 
+use super::stored_path::StoredPath;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A change of a text, with a label for the user.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -14,6 +16,9 @@ pub struct Command {
     at: usize,
     removed: String,
     inserted: String,
+    /// The path of the document before and after, if it was saved elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    paths: Option<Box<[StoredPath; 2]>>,
 }
 
 impl Command {
@@ -41,7 +46,17 @@ impl Command {
             same -= 1;
         }
         let [removed, inserted] = [from, to].map(|text| text[..text.len() - same].to_owned());
-        Some(Self { label: label.to_owned(), at, removed, inserted })
+        Some(Self { label: label.to_owned(), at, removed, inserted, paths: None })
+    }
+
+    /// Adds that the document is saved elsewhere: its path before and after.
+    pub(super) fn with_paths(self, paths: [&Path; 2]) -> Self {
+        Self { paths: Some(Box::new(paths.map(|path| StoredPath(path.to_owned())))), ..self }
+    }
+
+    /// Returns the path of the document before and after; `None` if it stays.
+    pub(super) fn paths(&self) -> Option<[&Path; 2]> {
+        self.paths.as_ref().map(|paths| paths.each_ref().map(|path| path.0.as_path()))
     }
 
     /// Returns the text after the change; `None` if `text` is not the text before it.

@@ -33,6 +33,10 @@ impl History {
                 Recorded::Added(command)
             }
             Some(joined) => {
+                if joined.is_none() {
+                    // The command before belongs to another series.
+                    self.open = None;
+                }
                 self.done.pop();
                 self.done.extend(joined.clone());
                 Recorded::Joined(joined)
@@ -40,29 +44,47 @@ impl History {
         }
     }
 
+    /// Repeats a recorded change; returns the text after it. `None`, and no effect, if it does not fit the text.
+    pub(super) fn repeat(&mut self, recorded: Recorded, text: &str) -> Option<String> {
+        let (after, last) = match recorded {
+            Recorded::Added(command) => (command.apply(text)?, Some(command)),
+            Recorded::Joined(command) => {
+                let before = self.done.last()?.undo(text)?;
+                let after = match &command {
+                    Some(command) => command.apply(&before)?,
+                    None => before,
+                };
+                self.done.pop();
+                (after, command)
+            }
+        };
+        self.done.extend(last);
+        self.undone.clear();
+        self.open = None;
+        Some(after)
+    }
+
     /// Ends the series: the next change is undone separately.
     pub(crate) fn end_series(&mut self) {
         self.open = None;
     }
 
-    /// Undoes the last command: returns the text before it, and its label.
-    pub(crate) fn undo(&mut self, text: &str) -> Option<(String, String)> {
+    /// Undoes the last command: returns the text before it, and the command.
+    pub(crate) fn undo(&mut self, text: &str) -> Option<(String, Command)> {
         let before = self.done.last()?.undo(text)?;
         let command = self.done.pop()?;
-        let label = command.label.clone();
-        self.undone.push(command);
+        self.undone.push(command.clone());
         self.open = None;
-        Some((before, label))
+        Some((before, command))
     }
 
-    /// Redoes the command undone last: returns the text after it, and its label.
-    pub(crate) fn redo(&mut self, text: &str) -> Option<(String, String)> {
+    /// Redoes the command undone last: returns the text after it, and the command.
+    pub(crate) fn redo(&mut self, text: &str) -> Option<(String, Command)> {
         let after = self.undone.last()?.apply(text)?;
         let command = self.undone.pop()?;
-        let label = command.label.clone();
-        self.done.push(command);
+        self.done.push(command.clone());
         self.open = None;
-        Some((after, label))
+        Some((after, command))
     }
 
     /// Returns the labels of all executed commands, oldest first.
@@ -121,5 +143,34 @@ mod tests {
         assert_eq!(text, "b");
         change(&mut history, &mut text, "f", Some("nudge"));
         assert_eq!((history.redo(&text), history.labels().count()), (None, 2));
+    }
+
+    #[test]
+    fn a_series_that_cancels_out_leaves_the_command_before_it_alone() {
+        let (mut history, mut text) = (History::default(), "a".to_owned());
+        change(&mut history, &mut text, "b", None);
+        for to in ["c", "b", "d"] {
+            change(&mut history, &mut text, to, Some("nudge"));
+        }
+        assert_eq!(history.labels().count(), 2);
+        (text, _) = history.undo(&text).expect("the last nudge");
+        assert_eq!(text, "b");
+        (text, _) = history.undo(&text).expect("the first change");
+        assert_eq!(text, "a");
+    }
+
+    #[test]
+    fn a_repeated_history_is_the_same() {
+        let (mut history, mut again, mut text) = (History::default(), History::default(), "a".to_owned());
+        for (to, series) in [("b", None), ("c", Some("n")), ("b", Some("n")), ("d", Some("n")), ("e", Some("n"))] {
+            let command = Command::between(to, &text, to).expect("they differ");
+            let recorded = history.record(command, series, &text);
+            text = again.repeat(recorded, &text).expect("it fits");
+            assert_eq!(text, to);
+        }
+        assert_eq!((&history.done, &history.undone), (&again.done, &again.undone));
+        let command = Command::between("edit", "other", "others").expect("they differ");
+        assert_eq!(again.repeat(Recorded::Joined(Some(command)), &text), None);
+        assert_eq!(again.done, history.done, "what does not fit has no effect");
     }
 }

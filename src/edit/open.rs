@@ -4,10 +4,11 @@
 //! path next to it. The mesh of a problem file is written beside it as a scene.
 
 use super::{Document, EditError};
+use crate::files::{SHOT_BYTES, read_text};
 use crate::image::{PictureKind, SequencePath, picture_size, replace_bytes};
 use crate::pipeline::{NewShot, ProblemShot, new_shot, path_between, problem_shot};
 use crate::scene::FileAccess;
-use crate::shot::template;
+use crate::shot::{Shot, Source, template};
 use std::path::{Path, PathBuf};
 
 /// Opens a file for editing.
@@ -20,7 +21,7 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
         return Document::open(path);
     }
     let beside = shot_beside(path);
-    if beside.is_file() {
+    if beside.exists() {
         // Opening a scene again continues its existing shot.
         return Document::open(&beside);
     }
@@ -64,16 +65,88 @@ fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
 
 /// Creates a scene and a shot of a problem file.
 fn problem(path: &Path, shot: &Path) -> Result<Document, EditError> {
-    let scene = path.with_extension("problem.glb");
+    let scene = problem_scene(path);
     let name = scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let ProblemShot { glb, text } = problem_shot(path, &name)?;
     replace_bytes(&scene, &glb)?;
     Document::new(shot, text)
 }
 
-/// Returns the path at which the shot of a scene or picture is looked up and saved.
+/// Returns the path at which the shot of a scene or picture is looked up and saved: the first of `hero.toml`, `hero-2.toml`
+/// and so on that is its shot, or that is free.
 fn shot_beside(path: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let stem = stem.trim_end_matches(['#', '.', '_', '-']);
-    path.with_file_name(format!("{}.toml", if stem.is_empty() { "shot" } else { stem }))
+    let stem = if stem.is_empty() { "shot" } else { stem };
+    let mut beside = path.with_file_name(format!("{stem}.toml"));
+    let mut number = 1;
+    while beside.exists() && !is_shot_of(&beside, path) {
+        number += 1;
+        beside.set_file_name(format!("{stem}-{number}.toml"));
+    }
+    beside
+}
+
+/// Returns whether a file is the shot of a scene, picture, sequence or problem. A shot with a fault is if it names it.
+fn is_shot_of(shot: &Path, file: &Path) -> bool {
+    let Ok(text) = read_text(shot, SHOT_BYTES) else { return false };
+    let is_problem = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+    let file = if is_problem { problem_scene(file) } else { file.to_owned() };
+    let Ok(shot) = Shot::parse(&text, shot) else {
+        return file.file_name().is_some_and(|name| text.contains(&*name.to_string_lossy()));
+    };
+    let files: Vec<PathBuf> = match shot.source {
+        Source::Scene(scene) => vec![scene],
+        Source::Images(images) => images,
+        Source::Frame => Vec::new(),
+    };
+    files.iter().chain(&shot.plate).any(|other| is_same(other, &file))
+}
+
+/// Returns whether two paths lead to one file, or are one sequence: `frame.####.exr` and `frame.%04d.exr`.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let [one, other] = [one, other].map(|path| {
+        let path = SequencePath::parse(path).map_or_else(|_| path.to_owned(), |sequence| sequence.path_of(0));
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let in_folder =
+            folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default());
+        path.canonicalize().unwrap_or(in_folder)
+    });
+    one == other
+}
+
+/// Returns the path of the scene that is written for a problem file.
+fn problem_scene(problem: &Path) -> PathBuf {
+    problem.with_extension("problem.glb")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn the_shot_beside_a_file_is_its_own() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let shot = |source: &str| {
+            format!(
+                "version = 1\n{source}\nframes = {{ first = 1, last = 2, rate = 24 }}\nsize = [96, 54]\n[[layer]]\nname = \"a\"\n"
+            )
+        };
+        fs::write(at("hero.toml"), shot("scene = \"hero.glb\"")).expect("written");
+        assert_eq!(shot_beside(&at("hero.glb")), at("hero.toml"));
+        assert_eq!(shot_beside(&at("hero.png")), at("hero-2.toml"), "it is the shot of the scene");
+        fs::write(at("hero-2.toml"), shot("image = \"hero.png\"")).expect("written");
+        assert_eq!(shot_beside(&at("hero.png")), at("hero-2.toml"));
+        assert_eq!(shot_beside(&at("hero.json")), at("hero-3.toml"));
+        // A shot with a fault is still the shot of what it names, and the fault is told when it is opened.
+        fs::write(at("hero.toml"), "scene = \"hero.glb").expect("written");
+        assert_eq!(shot_beside(&at("hero.glb")), at("hero.toml"));
+        // A file that is no shot at all.
+        fs::write(at("tool.toml"), "[tool]\nname = 'x'\n").expect("written");
+        assert_eq!(shot_beside(&at("tool.glb")), at("tool-2.toml"));
+        fs::write(at("beauty.toml"), shot("plate = \"beauty.%04d.exr\"")).expect("written");
+        assert_eq!(shot_beside(&at("beauty.####.exr")), at("beauty.toml"));
+    }
 }

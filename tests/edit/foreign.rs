@@ -207,6 +207,10 @@ fn broken_files_are_reported_and_a_shot_that_breaks_on_disk_changes_nothing() {
     assert!(error.to_string().contains("TOML"), "{error}");
     session.redo();
     assert_eq!(session.document().text(), text);
+    let error = session.save().expect_err("another program wrote it");
+    assert!(error.to_string().contains("another program"), "{error}");
+    assert_eq!(fs::read_to_string(stage.shot()).expect("there"), "version = [", "nothing is overwritten unasked");
+    fs::write(stage.shot(), SHOT).expect("written");
     session.save().expect("writable");
     Shot::read(&stage.shot()).expect("whole again");
 }

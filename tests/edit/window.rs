@@ -113,26 +113,24 @@ fn a_pose_is_keyed_and_saved_with_the_pointer() {
     assert_eq!(session(&window).document().text(), SHOT);
 }
 
-/// What a killed editor leaves is offered again.
+/// What a killed editor leaves is offered again, on the start page and with its shot.
 #[test]
 fn a_kill_loses_nothing() {
     let stage = Stage::new();
-    let text = {
+    let left = stage.state().join("journals/killed.pinwarp-journal");
+    let (text, journal) = {
         let mut window = window(&stage.state(), Some(&stage.shot()));
         settled(&mut window);
         let on_card = place(&window, 0.4, 0.5);
         pointer(&mut window, on_card, Some(true));
         pointer(&mut window, on_card, Some(false));
         until(&mut window, "a click places a pin", |window| pins(window) == 1);
-        // As it is on disk in the moment of the kill, under a process that lives no more.
-        for entry in fs::read_dir(stage.state().join("journals")).expect("a folder") {
-            let path = entry.expect("readable").path();
-            let alive = format!("\"process\":{}", std::process::id());
-            let dead = fs::read_to_string(&path).expect("a journal").replacen(&alive, "\"process\":4194305", 1);
-            fs::write(path.with_file_name("killed.pinwarp-journal"), dead).expect("written");
-        }
-        session(&window).document().text().to_owned()
+        // As it is on disk in the moment of the kill.
+        let mut journals = fs::read_dir(stage.state().join("journals")).expect("a folder");
+        let path = journals.next().expect("a journal").expect("readable").path();
+        (session(&window).document().text().to_owned(), fs::read(path).expect("a journal"))
     };
+    fs::write(&left, &journal).expect("written");
     let mut window = window(&stage.state(), None);
     window.get_by_label("Recover").click();
     window.run_steps(3);
@@ -142,6 +140,38 @@ fn a_kill_loses_nothing() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     window.run_steps(2);
     assert_eq!(session(&window).document().text(), SHOT, "its history came back, too");
+    drop(window);
+    assert!(!left.exists(), "it went on with that journal, and closed it");
+    fs::write(&left, &journal).expect("written");
+    let mut window = self::window(&stage.state(), Some(&stage.shot()));
+    assert_eq!(session(&window).document().text(), SHOT);
+    window.get_by_label("Recover").click();
+    window.run_steps(3);
+    assert_eq!(session(&window).document().text(), text);
+}
+
+/// Another file is overwritten by a shot only after a question.
+#[test]
+fn saving_over_another_file_is_asked_about() {
+    let stage = Stage::new();
+    let other = stage.folder.path().join("other.toml");
+    fs::write(&other, "mine").expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    for (answer, is_saved) in [("Cancel", false), ("Overwrite", true)] {
+        window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+        window.run_steps(3);
+        assert!(window.query_by_label("cards.gltf").is_none(), "only shots are listed");
+        window.get_by_label("other.toml").click();
+        window.run_steps(2);
+        window.get_by_label("Choose").click();
+        window.run_steps(3);
+        assert_eq!(fs::read_to_string(&other).expect("there"), "mine");
+        window.get_by_label(answer).click();
+        window.run_steps(3);
+        assert_eq!(fs::read_to_string(&other).expect("there"), if is_saved { SHOT } else { "mine" });
+        assert_eq!(session(&window).document().path().ends_with("other.toml"), is_saved);
+    }
 }
 
 /// The bundled scenes open, and a render begins and ends.

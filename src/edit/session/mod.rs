@@ -39,7 +39,7 @@ use super::reference::Reference;
 use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
-use super::{Document, EditError};
+use super::{DiskChange, Document, EditError};
 use crate::raster::DeviceChoice;
 use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
@@ -97,6 +97,8 @@ pub struct Session {
     is_idle: bool,
     /// Whether the shot file was written, possibly by another program.
     is_written: bool,
+    /// The text on disk, if another program wrote it where there are unsaved changes: the user has to decide.
+    pub(crate) conflict: Option<String>,
     fault: Option<String>,
     message: Option<String>,
     /// Copied keys.
@@ -142,6 +144,7 @@ impl Session {
             progress: None,
             is_idle: false,
             is_written: false,
+            conflict: None,
             fault: None,
             message: None,
             copied: Vec::new(),
@@ -458,13 +461,25 @@ impl Session {
         self.say(format!("{what}: {label}"));
     }
 
-    /// Saves the file.
+    /// Saves the file, with what another program wrote elsewhere in it.
     ///
     /// # Errors
-    /// [`EditError`] if it cannot be written.
+    /// [`EditError`] if it cannot be written, or another program wrote it where there are unsaved changes.
     pub fn save(&mut self) -> Result<(), EditError> {
-        self.document.save()?;
-        self.say(format!("Saved {}", self.document.path().display()));
+        let change = self.document.save()?;
+        let path = self.document.path().display().to_string();
+        match change {
+            DiskChange::None => self.say(format!("Saved {path}")),
+            DiskChange::Merged | DiskChange::Reloaded => {
+                self.reload();
+                self.say(format!("Saved {path}, with the changes of another program."));
+            }
+            DiskChange::Conflict(text) => {
+                self.conflict = Some(text);
+                let what = format!("{path} was not saved: another program wrote it");
+                return Err(EditError::Unusable { what, hint: "choose which text to keep, then save".into() });
+            }
+        }
         Ok(())
     }
 

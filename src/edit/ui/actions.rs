@@ -34,7 +34,10 @@ impl Editor {
 
     fn save(&mut self) {
         let Some(session) = &mut self.session else { return };
-        if let Err(error) = session.save() {
+        let Err(error) = session.save() else { return };
+        if session.conflict.is_some() {
+            session.say(error.to_string());
+        } else {
             session.say(format!("{error}; choose another place"));
             self.browse(Purpose::SaveAs);
         }

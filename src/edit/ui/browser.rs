@@ -19,6 +19,9 @@ const PICTURES: [&str; 4] = ["exr", "png", "jpg", "jpeg"];
 /// Extensions of files that can be opened.
 const KNOWN: [&str; 8] = ["toml", "glb", "gltf", "png", "jpg", "jpeg", "exr", "json"];
 
+/// Extension of shots.
+const SHOT: &str = "toml";
+
 /// What can be opened.
 const EVERYTHING: &str =
     "Shots (.toml), scenes (.glb, .gltf), pictures (.png, .jpg, .exr), plates: frame.####.exr, problems (.json)";
@@ -59,7 +62,11 @@ impl Browser {
         let known = entries.filter_map(|entry| {
             let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-            let known = if self.purpose == Purpose::Reference { &PICTURES[..] } else { &KNOWN[..] };
+            let known: &[&str] = match self.purpose {
+                Purpose::Open => &KNOWN,
+                Purpose::SaveAs => &[SHOT],
+                Purpose::Reference => &PICTURES,
+            };
             let is_known = path.is_dir() || ending.is_some_and(|ending| known.contains(&ending.as_str()));
             (is_known && !name.starts_with('.')).then(|| (name, path.is_dir()))
         });
@@ -138,8 +145,14 @@ impl Browser {
             self.enter(path);
             return Choice::None;
         }
-        Choice::File(path)
+        Choice::File(if self.purpose == Purpose::SaveAs { shot_path(path) } else { path })
     }
+}
+
+/// Returns a path with the ending of shots, so that no other file is overwritten.
+fn shot_path(path: PathBuf) -> PathBuf {
+    let is_shot = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SHOT));
+    if is_shot { path } else { path.with_added_extension(SHOT) }
 }
 
 /// Groups numbered files into sequences, each named by its pattern: `frame.####.exr`.
@@ -160,7 +173,24 @@ fn sequences(names: &[&str]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::sequences;
+    use super::{Browser, Choice, Purpose, sequences, shot_path};
+    use std::path::{Path, PathBuf};
+
+    #[test]
+    fn only_shots_are_listed_and_chosen_to_be_overwritten() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["hero.glb", "hero.png", "hero.toml"] {
+            std::fs::write(folder.path().join(name), "").expect("written");
+        }
+        let mut browser = Browser::new(Purpose::SaveAs, &folder.path().join("hero.toml"));
+        assert_eq!(browser.entries, [("hero.toml".to_owned(), false)]);
+        browser.path = folder.path().join("hero.glb").display().to_string();
+        let Choice::File(chosen) = browser.chosen() else { panic!("it is a file") };
+        assert_eq!(chosen, folder.path().join("hero.glb.toml"));
+        for (given, path) in [("a.toml", "a.toml"), ("a.TOML", "a.TOML"), ("a", "a.toml"), ("v1.2", "v1.2.toml")] {
+            assert_eq!(shot_path(PathBuf::from(given)), Path::new(path));
+        }
+    }
 
     #[test]
     fn frames_of_one_name_are_a_sequence() {

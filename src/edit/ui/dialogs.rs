@@ -1,4 +1,4 @@
-//! Modal windows: render progress, external file changes, unsaved work.
+//! Modal windows: render progress, questions.
 
 use crate::edit::{RunState, Session};
 use eframe::egui::{self, Align2, Modal, RichText, ScrollArea, vec2};

@@ -21,7 +21,7 @@ impl Editor {
     /// Opens files, after a question if there is unsaved work.
     pub(super) fn try_open(&mut self, ctx: &egui::Context, files: Dropped) {
         if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
-            self.unsaved = Some(Deferred::Open(files));
+            self.questions.unsaved = Some(Deferred::Open(files));
         } else {
             self.open_files(ctx, files);
         }

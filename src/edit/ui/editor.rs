@@ -1,14 +1,13 @@
 //! The editor: the open document, the open windows, and the layout of one pass.
 
 use super::browser::{Browser, Choice, Purpose};
-use super::dialogs::Answer;
 use super::kept_view::KeptView;
 use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport};
-use crate::edit::{Action, DiskChange, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
+use crate::edit::{Action, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
@@ -19,13 +18,25 @@ pub(super) enum Deferred {
     Quit,
 }
 
+/// What is asked about files.
+#[derive(Debug, Default)]
+pub(super) struct Questions {
+    /// Whether to save unsaved work before this.
+    pub(super) unsaved: Option<Deferred>,
+    /// Whether to overwrite this file by the shot.
+    pub(super) overwritten: Option<PathBuf>,
+    /// Whether to recover work on the open shot from this journal.
+    pub(super) recovered: Option<PathBuf>,
+}
+
 /// The editor.
 pub struct Editor {
     pub(super) options: EditorOptions,
     pub(super) shortcuts: Shortcuts,
     view: KeptView,
     pub(super) session: Option<Session>,
-    left: Vec<Unfinished>,
+    /// Work of killed editors.
+    pub(super) left: Vec<Unfinished>,
     fault: Option<String>,
     pub(super) browser: Option<Browser>,
     pub(super) timeline: Timeline,
@@ -35,9 +46,8 @@ pub struct Editor {
     rebound: Option<Action>,
     tour: Option<Tour>,
     pub(super) shows_render: bool,
-    conflict: Option<String>,
-    pub(super) unsaved: Option<Deferred>,
-    may_close: bool,
+    pub(super) questions: Questions,
+    pub(super) may_close: bool,
 }
 
 impl Editor {
@@ -72,8 +82,7 @@ impl Editor {
             rebound: None,
             tour: None,
             shows_render: false,
-            conflict: None,
-            unsaved: None,
+            questions: Questions::default(),
             may_close: false,
         }
     }
@@ -101,7 +110,11 @@ impl Editor {
 
     /// Starts editing a document.
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
-        document.keep_journal(&self.options.journals());
+        self.questions = Questions::default();
+        if !document.has_journal() {
+            self.look_for_work(document.path());
+            document.keep_journal(&self.options.journals());
+        }
         self.begin_unjournaled(ctx, document);
         (self.textures, self.timeline) = (Textures::default(), Timeline::default());
         if let (Some(session), Some(fault)) = (&mut self.session, self.fault.take()) {
@@ -138,6 +151,7 @@ impl Editor {
             }
         }
         self.look_at_disk();
+        self.tell_journal();
         if let Some(session) = self.session.as_mut().filter(|_| ctx.input(|input| input.pointer.any_pressed())) {
             // Each drag of a number is undone separately.
             session.document_mut().end_series();
@@ -195,16 +209,9 @@ impl Editor {
                 self.tour(ctx);
                 Ok(())
             }
-            StartAction::Recover(index) => {
-                let left = self.left.remove(index);
-                let journal = left.journal.clone();
-                Document::recovered(left).map(|document| {
-                    self.begin(ctx, document);
-                    let _ = std::fs::remove_file(journal);
-                })
-            }
-            StartAction::Forget(index) => {
-                let _ = std::fs::remove_file(self.left.remove(index).journal);
+            StartAction::Recover(journal) => self.recover(ctx, &journal),
+            StartAction::Forget(journal) => {
+                self.forget(&journal);
                 Ok(())
             }
         };
@@ -232,28 +239,6 @@ impl Editor {
         let near =
             self.session.as_ref().map_or_else(|| PathBuf::from("."), |session| session.document().path().to_owned());
         self.browser = Some(Browser::new(purpose, &near));
-    }
-
-    fn look_at_disk(&mut self) {
-        if self.conflict.is_some() || !self.session.as_mut().is_some_and(Session::take_written) {
-            return;
-        }
-        let Some(session) = &mut self.session else { return };
-        match session.document_mut().check_disk() {
-            Ok(DiskChange::None) => {}
-            Ok(DiskChange::Reloaded) => {
-                session.reload();
-                session.say("The file changed on disk: it was read again. Undo brings back what was here.");
-            }
-            Ok(DiskChange::Merged) => {
-                session.reload();
-                session.say(
-                    "The file changed on disk elsewhere: both changes are here now. Undo takes those of the file back.",
-                );
-            }
-            Ok(DiskChange::Conflict(text)) => self.conflict = Some(text),
-            Err(error) => session.say(format!("The file changed on disk and is no shot any more: {error}")),
-        }
     }
 
     fn windows(&mut self, ctx: &egui::Context) {
@@ -284,18 +269,13 @@ impl Editor {
                 }
             }
         }
-        self.conflicts(ctx);
-        self.ask_unsaved(ctx);
+        self.ask(ctx);
     }
 
     fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: &Path) {
         match (purpose, &mut self.session) {
             (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
-            (Purpose::SaveAs, Some(session)) => {
-                if let Err(error) = session.save_as(path) {
-                    self.show_error(&error);
-                }
-            }
+            (Purpose::SaveAs, _) => self.try_save_as(path),
             (Purpose::Reference, Some(session)) => {
                 if let Err(error) = session.add_reference(path) {
                     session.say(error.to_string());
@@ -305,52 +285,13 @@ impl Editor {
         }
     }
 
-    fn conflicts(&mut self, ctx: &egui::Context) {
-        let Some(text) = &self.conflict else { return };
-        let words = "Another program wrote the shot file, and there are changes here that are not saved.";
-        let asked = dialogs::ask(ctx, ("The file changed on disk", words), ["Take the file", "Keep mine", ""]);
-        let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
-        let text = text.clone();
-        self.conflict = None;
-        match answer {
-            Answer::First => match session.document_mut().take_from_disk(text) {
-                Ok(()) => session.reload(),
-                Err(error) => session.say(error.to_string()),
-            },
-            Answer::Second | Answer::Cancel => session.document_mut().keep_own(text),
-        }
-    }
-
-    fn ask_unsaved(&mut self, ctx: &egui::Context) {
-        let Some(deferred) = self.unsaved.clone() else { return };
-        let asked = dialogs::ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
-        let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
-        self.unsaved = None;
-        if answer == Answer::First
-            && let Err(error) = session.save()
-        {
-            session.say(error.to_string());
-            return;
-        }
-        if answer == Answer::Cancel {
-            return;
-        }
-        match deferred {
-            Deferred::Open(files) => self.open_files(ctx, files),
-            Deferred::Quit => {
-                self.may_close = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-        }
-    }
-
     /// Asks about unsaved work before the window closes.
     fn close(&mut self, ctx: &egui::Context) {
         let is_wanted = ctx.input(|input| input.viewport().close_requested());
         let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
         if is_wanted && is_dirty && !self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.unsaved = Some(Deferred::Quit);
+            self.questions.unsaved = Some(Deferred::Quit);
         }
     }
 }

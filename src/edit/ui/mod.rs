@@ -28,6 +28,7 @@ mod options;
 mod over;
 mod panel_edge;
 mod panels;
+mod questions;
 mod references;
 mod screenshot;
 mod shot_panel;

@@ -4,6 +4,7 @@ use super::bundled::BUNDLED;
 use super::theme;
 use crate::edit::Unfinished;
 use eframe::egui::{self, Align2, FontId, RichText, Ui, vec2};
+use std::path::PathBuf;
 
 /// The clicked entry.
 pub(super) enum StartAction {
@@ -11,8 +12,10 @@ pub(super) enum StartAction {
     /// The tour, on the first bundled scene.
     Tour,
     Bundled(usize),
-    Recover(usize),
-    Forget(usize),
+    /// Recovers the work in a journal.
+    Recover(PathBuf),
+    /// Deletes a journal.
+    Forget(PathBuf),
 }
 
 pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Option<StartAction> {
@@ -87,15 +90,15 @@ fn card(ui: &mut Ui, title: &str, words: &str) -> egui::Response {
 fn recover(ui: &mut Ui, left: &[Unfinished], action: &mut Option<StartAction>) {
     egui::Frame::group(ui.style()).fill(ui.visuals().faint_bg_color).show(ui, |ui| {
         ui.label(RichText::new("The editor ended before these were saved").strong());
-        for (index, one) in left.iter().enumerate() {
+        for one in left {
             ui.horizontal(|ui| {
                 ui.label(one.path.display().to_string());
                 ui.weak(crate::spelling::pluralised(one.history.labels().count(), "change", "changes"));
                 if ui.button("Recover").clicked() {
-                    *action = Some(StartAction::Recover(index));
+                    *action = Some(StartAction::Recover(one.journal.clone()));
                 }
                 if ui.button("Forget").clicked() {
-                    *action = Some(StartAction::Forget(index));
+                    *action = Some(StartAction::Forget(one.journal.clone()));
                 }
             });
         }

@@ -33,17 +33,47 @@ impl FileWatch {
         Self { shot: shot.path.clone(), stamps: paths.map(|path| (path.clone(), stamp(path))).collect() }
     }
 
-    /// Returns what changed since the last call. Missing files are ignored: either they are being written, or using
-    /// them will report the error.
+    /// Returns whether this is the shot that is watched.
+    pub(super) fn is_of(&self, open: &OpenShot) -> bool {
+        self.shot == open.given().path
+    }
+
+    /// Returns what changed since the last call; a shot file that was removed has changed. Other missing files are
+    /// ignored: either they are being written, or using them will report the error.
     pub(super) fn look(&mut self) -> Changed {
         let mut changed = Changed::default();
         for (path, known) in &mut self.stamps {
             let now = stamp(path);
-            if now.is_some() && now != *known {
+            let is_shot = *path == self.shot;
+            if now != *known && (is_shot || now.is_some()) {
                 *known = now;
-                if *path == self.shot { changed.shot = true } else { changed.scene = true }
+                if is_shot { changed.shot = true } else { changed.scene = true }
             }
         }
         changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_removed_shot_file_has_changed_and_a_removed_scene_has_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let paths = ["shot.toml", "scene.glb"].map(|name| folder.path().join(name));
+        for path in &paths {
+            fs::write(path, "").expect("written");
+        }
+        let stamps = paths.iter().map(|path| (path.clone(), stamp(path))).collect();
+        let mut watch = FileWatch { shot: paths[0].clone(), stamps };
+        assert_eq!(watch.look(), Changed::default());
+        for path in &paths {
+            fs::remove_file(path).expect("there");
+        }
+        assert_eq!(watch.look(), Changed { shot: true, scene: false });
+        assert_eq!(watch.look(), Changed::default(), "it is told once");
+        fs::write(&paths[0], "").expect("written");
+        assert_eq!(watch.look(), Changed { shot: true, scene: false });
     }
 }

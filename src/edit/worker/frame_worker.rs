@@ -153,6 +153,8 @@ impl FrameWorker {
                 self.device = Some(raster::open(&self.choice, &open.prepared().scene)?.0);
             }
             (self.drafts, self.still_ms, self.jerk) = (DraftSize::default(), 0.0, JerkMeter::default());
+        }
+        if rework == Rework::Scene || !self.watch.is_of(open) {
             self.watch = FileWatch::of(open);
         }
         if rework >= Rework::Pins {

@@ -5,6 +5,7 @@
 mod block;
 mod filter;
 mod layer;
+mod paths;
 mod pin;
 mod setting;
 mod stroke;
@@ -13,6 +14,7 @@ mod text;
 pub use block::pin_block;
 pub use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
+pub(crate) use paths::put_paths;
 pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin, rename_pin};
 pub use setting::{
     Setting, add_layer, layer_number, move_layer, put_layer_setting, put_pin_setting, put_setting, remove_layer,

@@ -1,0 +1,172 @@
+//! Questions before something is lost: unsaved work, files that would be overwritten, work of a killed editor.
+//!
+//! In: what is to be decided. Out: the user's decision, carried out.
+
+use super::dialogs::{Answer, ask};
+use super::editor::{Deferred, Editor};
+use crate::edit::{DiskChange, Document, EditError, forget, unfinished};
+use crate::spelling::pluralised;
+use eframe::egui;
+use std::path::Path;
+
+impl Editor {
+    /// Shows the open questions.
+    pub(super) fn ask(&mut self, ctx: &egui::Context) {
+        self.ask_recovery(ctx);
+        self.ask_overwrite(ctx);
+        self.ask_conflict(ctx);
+        self.ask_unsaved(ctx);
+    }
+
+    /// Looks for work of killed editors, and asks about that on a shot.
+    pub(super) fn look_for_work(&mut self, shot: &Path) {
+        self.left = unfinished(&self.options.journals());
+        let left = self.left.iter().find(|left| is_same(&left.path, shot));
+        self.questions.recovered = left.map(|left| left.journal.clone());
+    }
+
+    /// Opens the work that a killed editor left in a journal.
+    pub(super) fn recover(&mut self, ctx: &egui::Context, journal: &Path) -> Result<(), EditError> {
+        let document = Document::recovered(journal)?;
+        self.left.retain(|left| left.journal != journal);
+        self.begin(ctx, document);
+        Ok(())
+    }
+
+    /// Deletes the work that a killed editor left in a journal.
+    pub(super) fn forget(&mut self, journal: &Path) {
+        forget(journal);
+        self.left.retain(|left| left.journal != journal);
+    }
+
+    fn ask_recovery(&mut self, ctx: &egui::Context) {
+        let Some(journal) = self.questions.recovered.clone() else { return };
+        let count =
+            self.left.iter().find(|left| left.journal == journal).map_or(0, |left| left.history.labels().count());
+        let words =
+            format!("The editor ended before {} of this shot were saved.", pluralised(count, "change", "changes"));
+        let asked = ask(ctx, ("Recover the changes?", &words), ["Recover", "Forget", "Later"]);
+        let Some(answer) = asked else { return };
+        self.questions.recovered = None;
+        match answer {
+            Answer::First => {
+                if let Err(error) = self.recover(ctx, &journal) {
+                    self.show_error(&error);
+                }
+            }
+            Answer::Second => self.forget(&journal),
+            Answer::Cancel => {}
+        }
+    }
+
+    /// Saves to another path, after a question if there is a file.
+    pub(super) fn try_save_as(&mut self, path: &Path) {
+        let Some(session) = &mut self.session else { return };
+        let saved = if is_same(path, session.document().path()) {
+            session.save()
+        } else if path.exists() {
+            self.questions.overwritten = Some(path.to_owned());
+            return;
+        } else {
+            session.save_as(path)
+        };
+        if let Err(error) = saved {
+            self.show_error(&error);
+        }
+    }
+
+    fn ask_overwrite(&mut self, ctx: &egui::Context) {
+        let Some(path) = self.questions.overwritten.clone() else { return };
+        let words = format!("{} is there already. What is in it is lost otherwise.", path.display());
+        let asked = ask(ctx, ("Overwrite the file?", &words), ["Overwrite", "", "Cancel"]);
+        let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
+        self.questions.overwritten = None;
+        if answer == Answer::First
+            && let Err(error) = session.save_as(&path)
+        {
+            session.say(error.to_string());
+        }
+    }
+
+    /// Looks whether another program wrote the shot file.
+    pub(super) fn look_at_disk(&mut self) {
+        let Some(session) = self.session.as_mut().filter(|session| session.conflict.is_none()) else { return };
+        if !session.take_written() {
+            return;
+        }
+        let was_there = session.document().on_disk().is_some();
+        match session.document_mut().check_disk() {
+            Ok(DiskChange::None) if was_there && session.document().on_disk().is_none() => {
+                session.say("The shot file was removed. Saving writes it again.");
+            }
+            Ok(DiskChange::None) => {}
+            Ok(DiskChange::Reloaded) => {
+                session.reload();
+                session.say("The file changed on disk: it was read again. Undo brings back what was here.");
+            }
+            Ok(DiskChange::Merged) => {
+                session.reload();
+                session.say(
+                    "The file changed on disk elsewhere: both changes are here now. Undo takes those of the file back.",
+                );
+            }
+            Ok(DiskChange::Conflict(text)) => session.conflict = Some(text),
+            Err(error) => session.say(format!("The file changed on disk and is no shot any more: {error}")),
+        }
+    }
+
+    fn ask_conflict(&mut self, ctx: &egui::Context) {
+        let Some(session) = self.session.as_mut().filter(|session| session.conflict.is_some()) else { return };
+        let words = "Another program wrote the shot file, and there are changes here that are not saved.";
+        let answers = ["Take the file", "Keep mine", "Later"];
+        let Some(answer) = ask(ctx, ("The file changed on disk", words), answers) else { return };
+        let Some(text) = session.conflict.take() else { return };
+        match answer {
+            Answer::First => match session.document_mut().take_from_disk(text) {
+                Ok(()) => session.reload(),
+                Err(error) => session.say(error.to_string()),
+            },
+            Answer::Second => {
+                session.document_mut().keep_own(text);
+                session.say("Saving overwrites what the other program wrote.");
+            }
+            Answer::Cancel => session.say("The file on disk is another one. Saving asks again."),
+        }
+    }
+
+    fn ask_unsaved(&mut self, ctx: &egui::Context) {
+        let Some(deferred) = self.questions.unsaved.clone() else { return };
+        let asked = ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
+        let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
+        self.questions.unsaved = None;
+        if answer == Answer::First
+            && let Err(error) = session.save()
+        {
+            session.say(error.to_string());
+            return;
+        }
+        if answer == Answer::Cancel {
+            return;
+        }
+        match deferred {
+            Deferred::Open(files) => self.open_files(ctx, files),
+            Deferred::Quit => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+    }
+
+    /// Tells what is wrong with the journal.
+    pub(super) fn tell_journal(&mut self) {
+        let fault = self.session.as_mut().and_then(|session| session.document_mut().take_journal_fault());
+        if let (Some(session), Some(fault)) = (&mut self.session, fault) {
+            session.say(fault);
+        }
+    }
+}
+
+/// Returns whether two paths lead to one file.
+fn is_same(one: &Path, other: &Path) -> bool {
+    one == other || one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+}
