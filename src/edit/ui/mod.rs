@@ -24,6 +24,7 @@ mod marks;
 mod matte;
 mod menus;
 mod nudges;
+mod number_field;
 mod options;
 mod over;
 mod panel_edge;
