@@ -270,3 +270,74 @@ fn numbers_of_a_pin_in_sizes_of_the_box_are_per_cent() {
     window.run_steps(3);
     assert!(window.query_by_label("x, % of the box").is_some() && window.query_by_label("x, px").is_none());
 }
+
+/// Numbers that the sliders do not reach, or show rounded, stay as they are until somebody changes them.
+#[test]
+fn looking_at_numbers_does_not_change_them() {
+    let pin = "coarse on purpose\nsolve = { smoothness = 0.125, temporal = 12.5 }\nstrength = 0.3333\n\n[[layer.pin]]\nname = \"p\"\nweight = 0.1234\n\
+               anchor = { screen = [0.4, 0.5], frame = 1 }\nregion = { radius = 0.01, rigidity = 0.1234, stiffness = 0.00512 }\n\
+               keys = [{ frame = 1, offset = [0.0123, 0.0], rotate = 0.12345, scale = 0.012 }]\n";
+    let text = SHOT
+        .replacen("coarse on purpose\n", pin, 1)
+        .replace("dims = [6, 6] }   #", "dims = [3, 9], basis = \"bilinear\" }   #");
+    let text = text.replace("samples = 4", "samples = 300");
+    let stage = Stage::new();
+    fs::write(stage.shot(), &text).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.query_all_by_label("Shot").next().expect("the settings of the shot").click_accesskit();
+    window.run_steps(3);
+    window.get_by_label("p").click();
+    window.run_steps(3);
+    assert_eq!(session(&window).document().text(), text, "opened and selected");
+    // Tab enters the fields and leaves them.
+    window.get_by_label("Pin name").focus();
+    window.run_steps(2);
+    for _ in 0..24 {
+        window.key_press(Key::Tab);
+        window.run_steps(2);
+    }
+    assert_eq!(session(&window).document().text(), text, "entered and left");
+}
+
+/// A touch screen reports the release and that the pointer is gone at once.
+#[test]
+fn a_drag_ends_where_a_finger_is_lifted() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let target = session(&window).marks()[0].pins[0].target.0;
+    let (from, to) = (place(&window, target.x, target.y), place(&window, target.x + 0.1, target.y));
+    pointer(&mut window, from, Some(true));
+    pointer(&mut window, from + 0.5 * (to - from), None);
+    pointer(&mut window, to, None);
+    let release =
+        Event::PointerButton { pos: to, button: PointerButton::Primary, pressed: false, modifiers: Modifiers::NONE };
+    window.input_mut().events.extend([release, Event::PointerGone]);
+    window.run_steps(2);
+    let labels: Vec<&str> = session(&window).document().history().labels().collect();
+    assert_eq!(labels, ["Move pin"]);
+}
+
+#[test]
+fn a_box_chooses_keys_after_a_click_on_a_key() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let row: Rect = window.get_by_label("Keys of a").rect();
+    let (left, right) = (row.left() + 150.0, row.right() - 16.0);
+    let x = |frame: f32| left + (frame - 0.5) / 6.0 * (right - left);
+    let key = egui::pos2(x(1.0), row.center().y);
+    pointer(&mut window, key, Some(true));
+    pointer(&mut window, key, Some(false));
+    window.run_steps(2);
+    let (from, to) = (egui::pos2(x(5.0), row.top() + 2.0), egui::pos2(x(2.0), row.bottom() - 2.0));
+    pointer(&mut window, from, Some(true));
+    for step in 1..=5 {
+        pointer(&mut window, from + (to - from) * (step as f32 / 5.0), None);
+    }
+    pointer(&mut window, to, Some(false));
+    window.run_steps(2);
+    assert_eq!(session(&window).selection.keys, [([0, 0].into(), 3.0)]);
+    assert_eq!(session(&window).document().history().labels().count(), 0, "no key was moved");
+}

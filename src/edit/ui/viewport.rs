@@ -36,11 +36,13 @@ pub(super) struct Textures {
 }
 
 fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> TextureHandle {
-    ctx.load_texture(name, image_of(picture), TextureOptions::LINEAR)
+    ctx.load_texture(name, image_of(ctx, picture), TextureOptions::LINEAR)
 }
 
-fn image_of(picture: &Picture) -> ColorImage {
-    ColorImage::from_rgba_premultiplied(picture.size, &picture.rgba)
+/// Returns a picture in the largest size that the graphics card can hold.
+fn image_of(ctx: &egui::Context, picture: &Picture) -> ColorImage {
+    let (size, rgba) = picture.within(ctx.input(|input| input.max_texture_side));
+    ColorImage::from_rgba_premultiplied(size, &rgba)
 }
 
 impl Textures {
@@ -48,7 +50,7 @@ impl Textures {
         match self.seen.get_mut(&name) {
             Some((known, texture)) if Arc::ptr_eq(known, picture) => texture.id(),
             Some((known, texture)) => {
-                texture.set(image_of(picture), TextureOptions::LINEAR);
+                texture.set(image_of(ctx, picture), TextureOptions::LINEAR);
                 *known = Arc::clone(picture);
                 texture.id()
             }
@@ -142,9 +144,14 @@ fn pen(
     let reach = f64::from(REACH) / height;
     let (pressed, released, position, modifiers) = ui.input(|input| {
         let pointer = &input.pointer;
-        (pointer.primary_pressed(), pointer.primary_released(), pointer.latest_pos(), input.modifiers)
+        (pointer.primary_pressed(), pointer.primary_released(), pointer.interact_pos(), input.modifiers)
     });
-    let Some(at) = position.map(place) else { return };
+    let Some(at) = position.map(place) else {
+        if released {
+            session.release();
+        }
+        return;
+    };
     if pressed && response.contains_pointer() {
         response.request_focus();
         let is_down = |action: Action| is_held(ui.ctx(), shortcuts, action);
