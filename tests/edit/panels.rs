@@ -341,3 +341,38 @@ fn a_box_chooses_keys_after_a_click_on_a_key() {
     assert_eq!(session(&window).selection.keys, [([0, 0].into(), 3.0)]);
     assert_eq!(session(&window).document().history().labels().count(), 0, "no key was moved");
 }
+
+#[test]
+fn a_name_is_taken_when_its_field_is_left() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let labels =
+        |window: &Window| -> Vec<String> { session(window).document().history().labels().map(str::to_owned).collect() };
+    let replace = |window: &mut Window, field: &str, text: &str| {
+        window.get_by_label(field).focus();
+        window.run_steps(2);
+        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.run_steps(2);
+        for letter in text.chars() {
+            window.event(Event::Text(letter.to_string()));
+            window.run_steps(2);
+        }
+    };
+    // On the way it is the name of the other layer.
+    replace(&mut window, "Layer name", "right arm");
+    assert!(labels(&window).is_empty(), "{:?}", labels(&window));
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert_eq!(session(&window).document().shot().layers[0].name, "right arm");
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    replace(&mut window, "Pin name", "tip");
+    // The row of another pin selects it, and takes the name.
+    window.get_by_label("b").click();
+    window.run_steps(3);
+    let names: Vec<String> =
+        session(&window).document().shot().layers[0].pins.iter().map(|pin| pin.name.clone()).collect();
+    assert_eq!(names, ["tip", "b"]);
+    assert_eq!(labels(&window), ["Rename layer", "Rename pin"]);
+}

@@ -154,6 +154,13 @@ impl Session {
         session
     }
 
+    /// Edits a text without a file, whose scene is missing.
+    #[cfg(test)]
+    fn of_text(text: &str) -> Self {
+        let document = Document::new(std::path::Path::new("shot.toml"), text.to_owned()).expect("a shot");
+        Self::new(document, DeviceChoice::Cpu, || ())
+    }
+
     /// Returns the open document.
     #[must_use]
     pub const fn document(&self) -> &Document {
@@ -362,6 +369,7 @@ impl Session {
         let shot = self.document.shot();
         self.playhead.follow(&shot.frames);
         self.selection.retain(shot);
+        self.forget_missing_layers();
         self.frames_changed();
         self.refresh(Purpose::Look);
     }

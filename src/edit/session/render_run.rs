@@ -186,7 +186,6 @@ impl RenderRun {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     /// A render whose thread ended without a word.
     fn abandoned() -> RenderRun {
@@ -205,11 +204,7 @@ mod tests {
 
     #[test]
     fn a_running_render_is_not_replaced() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("shot.toml");
-        std::fs::write(&path, "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n").expect("written");
-        let document = crate::edit::Document::open(Path::new(&path)).expect("a shot");
-        let mut session = Session::new(document, DeviceChoice::Cpu, || ());
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
         session.run = Some(abandoned());
         session.render(DeviceChoice::Cpu, || ());
         assert_eq!(session.run().map(|run| run.frames), Some(77));

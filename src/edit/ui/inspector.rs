@@ -1,7 +1,7 @@
 //! The inspector: values of the selected pin, and the report of the frame.
 
-use super::accessible::Accessible;
 use super::icons;
+use super::name_field::NameField;
 use super::number_field::NumberField;
 use super::theme::heat;
 use crate::edit::{Channel, Session};
@@ -10,7 +10,15 @@ use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
 use eframe::egui::{self, Color32, DragValue, Grid, RichText, ScrollArea, Ui};
 
+/// The field of a pin's name.
+const NAME: NameField = NameField { name: "Pin name", hint: "Pin name", width: f32::INFINITY };
+
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
+    if session.selection.single_pin().is_none()
+        && let Some((at, name)) = NAME.take_left(ui.ctx())
+    {
+        session.rename_pin(at, &name);
+    }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.add_space(6.0);
         match session.selection.single_pin() {
@@ -43,9 +51,7 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
         });
     });
     ui.separator();
-    let mut name = own.name.clone();
-    let edit = ui.add(egui::TextEdit::singleline(&mut name).desired_width(f32::INFINITY)).accessible("Pin name");
-    if edit.changed() && !name.trim().is_empty() {
+    if let Some((at, name)) = NAME.show(ui, at, &own.name) {
         session.rename_pin(at, &name);
     }
     let Some(key) = session.key_here(at) else { return };

@@ -2,6 +2,7 @@
 
 use super::accessible::Accessible;
 use super::icons::{self, Icon};
+use super::name_field::NameField;
 use super::number_field::NumberField;
 use super::{brush, lattice_panel, matte, shot_panel};
 use crate::edit::Session;
@@ -161,11 +162,10 @@ fn settings(ui: &mut Ui, session: &mut Session) {
                 ui.end_row();
             }
             ui.label("Name");
-            let mut name = layer.name.clone();
             // A field as wide as the panel would keep the panel from becoming narrower.
-            let field = egui::TextEdit::singleline(&mut name).desired_width(120.0);
-            if ui.add(field).accessible("Layer name").changed() && !name.trim().is_empty() {
-                session.rename_layer(&name);
+            let field = NameField { name: "Layer name", hint: "Layer name", width: 120.0 };
+            if let Some((index, name)) = field.show(ui, index, &layer.name) {
+                session.rename_layer(index, &name);
             }
             ui.end_row();
         });

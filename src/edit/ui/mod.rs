@@ -23,6 +23,7 @@ mod layers;
 mod marks;
 mod matte;
 mod menus;
+mod name_field;
 mod nudges;
 mod number_field;
 mod options;

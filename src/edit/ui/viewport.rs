@@ -298,10 +298,11 @@ fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
     use crate::edit::Quality;
     let painter = ui.painter_at(rect);
     let here = session.playhead.frame();
+    let rendered = if session.has_silent_layers() { "as rendered, but layers are muted" } else { "as rendered" };
     let quality = match (session.picture(), session.progress()) {
         _ if session.is_dragging() => "provisional".to_owned(),
         (_, Some(part)) => format!("solving over time: {:.0} %", 100.0 * part),
-        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => "as rendered".to_owned(),
+        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => rendered.to_owned(),
         (Some(picture), _) if picture.frame == here && picture.quality == Quality::Draft => "draft".to_owned(),
         (Some(_), _) => "provisional".to_owned(),
         (None, _) => "loading".to_owned(),
