@@ -200,10 +200,28 @@ pub(in crate::edit) fn with_handle_key(track: Option<&HandleTrack>, first: f64, 
     with_key(track.map_or(&[resting], |track| &track.keys), key)
 }
 
-/// Returns the key of a handle after a drag; `by` in units of the lattice box's size.
+/// Returns the keys of a handle after a drag at a time; `by` in units of the lattice box's size. A handle without keys rests in
+/// the first frame of the shot.
 #[must_use]
-pub(in crate::edit) fn handle_moved(key: HandleKey, by: [f64; 3]) -> HandleKey {
-    HandleKey { offset: std::array::from_fn(|axis| round(key.offset[axis] + by[axis], 1e6)), ..key }
+pub(in crate::edit) fn handle_moved(
+    shot: &Shot,
+    at: (usize, [usize; 3]),
+    (time, auto): (f64, AutoKey),
+    by: [f64; 3],
+) -> Option<Vec<HandleKey>> {
+    let owner = shot.layers.get(at.0)?;
+    let strength = if owner.strength == 0.0 { 1.0 } else { owner.strength };
+    let change = |key: &HandleKey| HandleKey {
+        offset: std::array::from_fn(|axis| round(key.offset[axis] + by[axis] / strength, 1e6)),
+        ..*key
+    };
+    let track = owner.handles.iter().find(|track| track.index == at.1);
+    let first = f64::from(shot.frames.first);
+    match (auto, track) {
+        (AutoKey::Off, Some(track)) => Some(track.keys.iter().map(change).collect()),
+        (AutoKey::Off, None) => handle_key_at(shot, at, first).map(|key| vec![change(&key)]),
+        (AutoKey::On, _) => Some(with_handle_key(track, first, change(&handle_key_at(shot, at, time)?))),
+    }
 }
 
 #[cfg(test)]
@@ -269,5 +287,18 @@ mod tests {
         assert_eq!(keys[0].goal, Goal::SceneOffset([2.0, 0.0, 1.0]));
         let error = moved(&shot, [0, 0], (1.0, AutoKey::On), by, PinScale::default()).expect_err("not seen");
         assert!(error.to_string().contains("in the scene"), "{error}");
+    }
+
+    #[test]
+    fn without_auto_key_all_keys_of_a_handle_move_alike() {
+        let handle = "[[layer.handle]]\nindex = [1, 2]\nkeys = [ { frame = 1, offset = [0, 0] }, { frame = 9, offset = [0.5, 0] } ]";
+        let shot = shot(&format!("strength = 0.5\n{handle}"));
+        let moved = |index: [usize; 3], auto: AutoKey| -> Vec<(f64, f64)> {
+            let keys = handle_moved(&shot, (0, index), (5.0, auto), [0.1, 0.0, 0.0]).expect("it is there");
+            keys.iter().map(|key| (key.frame, key.offset[0])).collect()
+        };
+        assert_eq!(moved([1, 2, 0], AutoKey::Off), [(1.0, 0.2), (9.0, 0.7)]);
+        assert_eq!(moved([3, 3, 0], AutoKey::Off), [(1.0, 0.2)]);
+        assert_eq!(moved([1, 2, 0], AutoKey::On).iter().map(|key| key.0).collect::<Vec<_>>(), [1.0, 5.0, 9.0]);
     }
 }
