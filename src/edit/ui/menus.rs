@@ -120,7 +120,7 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
     match &mut session.shown.wipe {
         Wipe::At(share) => _ = ui.add(egui::Slider::new(share, 0.0..=1.0).text("wipe")),
         Wipe::Ghost(opacity) => _ = ui.add(egui::Slider::new(opacity, 0.05..=1.0).text("opacity of the ghost")),
-        Wipe::Off | Wipe::Before => {}
+        Wipe::Off => {}
     }
 }
 

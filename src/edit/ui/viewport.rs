@@ -91,12 +91,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
     }
     session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
-    let before = is_held(ui.ctx(), shortcuts, Action::Before);
-    match (before, session.shown.wipe) {
-        (true, Wipe::Off) => session.set_wipe(Wipe::Before),
-        (false, Wipe::Before) => session.set_wipe(Wipe::Off),
-        _ => {}
-    }
+    session.show_before(is_held(ui.ctx(), shortcuts, Action::Before));
     zoom_and_pan(ui, (&response, rect), session, &lens);
     pen(ui, (&response, rect), (session, &lens), shortcuts);
     let lens = session.zoom.lens(session.shot().size, lens.viewport);
@@ -228,14 +223,16 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
         }
     };
     draw_references(textures, false);
-    let is_before = session.shown.wipe == Wipe::Before;
+    let is_before = session.shown.is_before;
     if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
         draw(textures.of(ui.ctx(), Seen::Frame, picture), Color32::WHITE);
     }
     draw_references(textures, true);
-    let Some(before) = session.before().filter(|_| session.shown.wipe != Wipe::Off) else { return };
+    let wipe = session.shown.wipe;
+    let Some(before) = session.before().filter(|_| is_before || wipe != Wipe::Off) else { return };
     let id = textures.of(ui.ctx(), Seen::Before, before);
-    match session.shown.wipe {
+    match wipe {
+        _ if is_before => draw(id, Color32::WHITE),
         Wipe::At(share) => {
             let x = frame.left() + share * frame.width();
             let left = Rect::from_min_max(frame.min, egui::pos2(x, frame.bottom()));
@@ -253,7 +250,7 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
             painter.text(egui::pos2(x + 8.0, frame.top() + 8.0), Align2::LEFT_TOP, "after", font, Color32::WHITE);
         }
         Wipe::Ghost(opacity) => draw(id, Color32::WHITE.gamma_multiply(opacity)),
-        Wipe::Before | Wipe::Off => draw(id, Color32::WHITE),
+        Wipe::Off => {}
     }
 }
 
