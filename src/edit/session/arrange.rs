@@ -1,4 +1,4 @@
-//! Editing of layers and of the shot: order, lattices, strengths, range.
+//! Editing of layers: order, names, lattices, strengths, mattes.
 //!
 //! In: user commands. Out: one document change each.
 
@@ -7,8 +7,7 @@ use crate::edit::regrid::regridded;
 use crate::edit::track_keys::axes_of;
 use crate::plate::Matte;
 use crate::shot::edit::{
-    Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, put_setting, remove_layer,
-    rename_layer,
+    Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, remove_layer, rename_layer,
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
 
@@ -52,12 +51,6 @@ impl Session {
         let text = put_layer_setting(self.document.text(), &layer.name, key, setting);
         let series = series.map(|series| format!("{series} of {}", layer.name));
         self.change(label, text, series.as_deref());
-    }
-
-    /// Sets a value of the shot.
-    pub fn set_shot(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
-        let text = put_setting(self.document.text(), key, setting);
-        self.change(label, text, series);
     }
 
     /// Renames a layer, with the pins that follow pins of it. It stays muted or soloed.
@@ -230,35 +223,11 @@ impl Session {
     }
 }
 
-impl Session {
-    /// Selects a clip of the scene, and sets the frame range to its length.
-    pub(crate) fn choose_clip(&mut self, name: &str, secs: f64) {
-        let frames = &self.document.shot().frames;
-        let last = i64::from(frames.first) + (secs * frames.rate).round().max(0.0) as i64;
-        let range = Setting::Wholes(vec![i64::from(frames.first), last]);
-        let text = put_setting(self.document.text(), &["frames", "clip"], &Setting::Text(name.to_owned()))
-            .and_then(|text| put_setting(&text, &["frames", "last"], &Setting::Whole(last)))
-            .and_then(|text| put_setting(&text, &["solve_range"], &range));
-        self.change("Choose clip", text, None);
-    }
-
-    /// Hides or shows a node.
-    pub(crate) fn toggle_node(&mut self, name: &str) {
-        let nodes = &self.loaded.nodes;
-        let is_hidden = |node: &&(String, bool)| (node.0 == name) != node.1;
-        let hidden: Vec<String> = nodes.iter().filter(is_hidden).map(|(name, _)| name.clone()).collect();
-        let setting = if hidden.is_empty() { Setting::Default } else { Setting::Texts(hidden) };
-        let text = put_setting(self.document.text(), &["hide"], &setting)
-            .and_then(|text| put_setting(&text, &["show"], &Setting::Default));
-        self.change("Hide or show", text, None);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const TEXT: &str = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\nsolve_range = [1, 24]\n\
+    const TEXT: &str = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n\
                         [[layer]]\nname = 'arm'\n[[layer]]\nname = 'leg'\n";
 
     #[test]

@@ -18,6 +18,7 @@ mod regions;
 mod render_run;
 mod rings;
 mod selection;
+mod shot_settings;
 mod shown;
 
 pub use arrange::MatteChoice;

@@ -64,13 +64,11 @@ fn frames(ui: &mut Ui, session: &mut Session) {
     ui.label("Frames");
     let [mut first, mut last] = session.playhead.shot_range();
     ui.horizontal(|ui| {
-        if ui.add(whole(&mut first, -100_000..=last)).accessible("First of the shot").changed() {
-            let first = Setting::Whole(i64::from(first));
-            session.set_shot("Change frames", &["frames", "first"], &first, Some("frames"));
-        }
+        let mut is_changed = ui.add(whole(&mut first, -100_000..=last)).accessible("First of the shot").changed();
         ui.label("to");
-        if ui.add(whole(&mut last, first..=100_000)).accessible("Last of the shot").changed() {
-            session.set_shot("Change frames", &["frames", "last"], &Setting::Whole(i64::from(last)), Some("frames"));
+        is_changed |= ui.add(whole(&mut last, first..=100_000)).accessible("Last of the shot").changed();
+        if is_changed {
+            session.set_frames([first, last]);
         }
     });
     ui.end_row();
