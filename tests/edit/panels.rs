@@ -376,3 +376,67 @@ fn a_name_is_taken_when_its_field_is_left() {
     assert_eq!(names, ["tip", "b"]);
     assert_eq!(labels(&window), ["Rename layer", "Rename pin"]);
 }
+
+#[test]
+fn space_presses_the_button_that_has_the_focus_and_plays_elsewhere() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    window.get_by_label("Mute").focus();
+    window.run_steps(2);
+    window.key_press(Key::Space);
+    window.run_steps(2);
+    assert!(session(&window).document().shot().layers[0].pins[0].is_muted);
+    let plays = |window: &Window| window.query_by_label("Stop").is_some();
+    assert!(!plays(&window));
+    window.get_by_label("Viewport").focus();
+    window.run_steps(2);
+    window.key_press(Key::Space);
+    window.run_steps(2);
+    assert!(plays(&window));
+}
+
+#[test]
+fn keys_of_the_clipboard_can_be_bound_to_other_actions() {
+    let stage = Stage::with(PINS);
+    fs::create_dir_all(stage.state()).expect("a folder");
+    fs::write(stage.state().join("keys.json"), "{ \"curves\": \"Ctrl+X\", \"paste\": \"Alt+V\" }").expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.event(Event::Paste("text".into()));
+    window.run_steps(2);
+    assert_eq!(session(&window).message(), None, "nothing is pasted");
+    window.event(Event::Cut);
+    window.run_steps(2);
+    assert!(window.query_by_label("Curves of keys").is_some());
+}
+
+#[test]
+fn hidden_pins_are_not_caught() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::P);
+    window.run_steps(2);
+    let target = session(&window).marks()[0].pins[0].target.0;
+    let at = place(&window, target.x, target.y);
+    pointer(&mut window, at, Some(true));
+    assert!(session(&window).selection.pins.is_empty());
+}
+
+#[test]
+fn a_click_that_stops_playback_leaves_a_rendered_frame() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("Every frame").click();
+    window.key_press(Key::Space);
+    until(&mut window, "it plays", |window| session(window).playhead.frame() > 1);
+    let empty = place(&window, 0.05, 0.05);
+    pointer(&mut window, empty, Some(true));
+    pointer(&mut window, empty, Some(false));
+    assert!(window.query_by_label("Play").is_some());
+    settled(&mut window);
+}

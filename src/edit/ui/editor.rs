@@ -53,7 +53,7 @@ impl Editor {
     /// Starts without an open document, with a view.
     pub(super) fn with_view(ctx: &egui::Context, options: EditorOptions, view: KeptView) -> Self {
         theme::install(ctx);
-        let (shortcuts, fault) = match Shortcuts::read(&options.keys()) {
+        let (shortcuts, fault) = match Shortcuts::read(&options.keys(), keys::known) {
             Ok(shortcuts) => (shortcuts, None),
             Err(error) => (Shortcuts::default(), Some(error.to_string())),
         };
