@@ -61,10 +61,7 @@ pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) 
         return Some(*key);
     }
     // Strength is excluded, as it is applied to the value of the keys.
-    let mut plain = shot.layers[layer].clone();
-    (plain.strength, plain.step) = (1.0, 1);
-    let targets = plain.pin_path(&shot.frames, time);
-    let target = targets.last()?.pins.get(pin)?;
+    let target = own.keyed_target(time);
     let before = own.keys.iter().rev().find(|key| key.frame < time).or(own.keys.first());
     let rotate_degrees = target.rotation.map(|rotation| match rotation {
         Rotation::InView(angle) => Rotation::InView(angle.to_degrees()),
@@ -180,15 +177,13 @@ fn round(value: f64, parts: f64) -> f64 {
 pub(in crate::edit) fn handle_key_at(shot: &Shot, (layer, index): (usize, [usize; 3]), time: f64) -> Option<HandleKey> {
     let owner = shot.layers.get(layer)?;
     let resting = HandleKey { frame: time, offset: [0.0; 3], ease: Ease::Smooth };
-    let Some(place) = owner.handles.iter().position(|track| track.index == index) else { return Some(resting) };
-    let keys = &owner.handles[place].keys;
+    let Some(track) = owner.handles.iter().find(|track| track.index == index) else { return Some(resting) };
+    let keys = &track.keys;
     if let Some(key) = keys.iter().find(|key| key.frame == time) {
         return Some(*key);
     }
     // Strength is excluded, as it is applied to the value of the keys.
-    let mut plain = owner.clone();
-    (plain.strength, plain.step) = (1.0, 1);
-    let offset = plain.pin_path(&shot.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place]);
+    let offset = track.keyed_offset(time);
     let ease = keys.iter().rev().find(|key| key.frame < time).map_or(Ease::Smooth, |key| key.ease);
     Some(HandleKey { frame: time, offset, ease })
 }
@@ -300,5 +295,20 @@ mod tests {
         assert_eq!(moved([1, 2, 0], AutoKey::Off), [(1.0, 0.2), (9.0, 0.7)]);
         assert_eq!(moved([3, 3, 0], AutoKey::Off), [(1.0, 0.2)]);
         assert_eq!(moved([1, 2, 0], AutoKey::On).iter().map(|key| key.0).collect::<Vec<_>>(), [1.0, 5.0, 9.0]);
+    }
+
+    #[test]
+    fn values_between_keys_are_those_of_the_keys_alone() {
+        let mut shot = shot(
+            "strength = 0.5\nstep = 4\n[[layer.handle]]\nindex = [1, 2]\nkeys = [ { frame = 1, offset = [0, 0] }, { frame = 9, offset = [0.5, 0] } ]",
+        );
+        let key = key_at(&shot, [0, 0], 6.0).expect("it is there");
+        let Some(Rotation::InView(angle)) = key.rotate_degrees else { panic!("{key:?}") };
+        assert!((offset(&key).x - 0.5).abs() < 1e-9 && (angle - 10.0).abs() < 1e-9 && key.scale.is_none(), "{key:?}");
+        let handle = handle_key_at(&shot, (0, [1, 2, 0]), 5.0).expect("it is there");
+        assert!(handle.frame == 5.0 && (handle.offset[0] - 0.25).abs() < 1e-9, "{handle:?}");
+        shot.layers[0].pins[0].keys.clear();
+        let key = key_at(&shot, [0, 0], 6.0).expect("at rest");
+        assert_eq!((offset(&key), key.rotate_degrees), (DVec2::ZERO, None));
     }
 }
