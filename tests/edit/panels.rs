@@ -213,6 +213,31 @@ fn the_tour_opens_a_scene_and_leads_from_step_to_step() {
 }
 
 #[test]
+fn the_tour_takes_its_own_scene_and_asks_about_unsaved_work() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("Mute pin a").click();
+    window.run_steps(3);
+    window.key_press(Key::F2);
+    window.run_steps(3);
+    assert_eq!(session(&window).document().path(), stage.shot());
+    window.get_by_label("Discard").click();
+    window.run_steps(3);
+    assert!(session(&window).document().path().ends_with("walker/shot.toml"));
+    assert!(window.query_by_label("Drag a pin").is_some());
+    // From a later frame it begins on the same document.
+    window.get_by_label("End the tour").click();
+    window.run_steps(2);
+    window.get_by_label("Frame forward").click();
+    window.run_steps(2);
+    let frame = session(&window).playhead.frame();
+    window.key_press(Key::F2);
+    window.run_steps(3);
+    assert!(window.query_by_label("Drag a pin").is_some() && session(&window).playhead.frame() == frame);
+}
+
+#[test]
 fn a_key_is_bound_anew_in_the_list() {
     let stage = Stage::new();
     let mut window = window(&stage.state(), Some(&stage.shot()));

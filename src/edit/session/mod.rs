@@ -103,8 +103,7 @@ pub struct Session {
     /// Copied keys.
     copied: Vec<clipboard::Copied>,
     run: Option<RenderRun>,
-    /// Receives the output of a running export.
-    export: Option<std::sync::mpsc::Receiver<String>>,
+    export: export_run::ExportRun,
     /// The reference pictures, the first one at the bottom.
     pub(crate) references: Vec<Reference>,
     next_question: u64,
@@ -147,7 +146,7 @@ impl Session {
             message: None,
             copied: Vec::new(),
             run: None,
-            export: None,
+            export: export_run::ExportRun::default(),
             references: Vec::new(),
             next_question: 0,
         };

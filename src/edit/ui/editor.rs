@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Deferred {
     Open(Dropped),
+    Tour,
     Quit,
 }
 
@@ -103,7 +104,7 @@ impl Editor {
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
         document.keep_journal(&self.options.journals());
         self.begin_unjournaled(ctx, document);
-        (self.textures, self.timeline) = (Textures::default(), Timeline::default());
+        (self.textures, self.timeline, self.tour) = (Textures::default(), Timeline::default(), None);
         if let (Some(session), Some(fault)) = (&mut self.session, self.fault.take()) {
             // What was wrong at the start is told once.
             session.say(fault);
@@ -218,12 +219,26 @@ impl Editor {
         self.open(ctx, &shot)
     }
 
-    /// Begins the tour: on the open shot, else on the first bundled scene.
+    /// Begins the tour on the first bundled scene, after a question if there is unsaved work in another shot.
     pub(super) fn tour(&mut self, ctx: &egui::Context) {
-        if self.session.is_none()
+        let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
+        if is_dirty && !self.has_tour_scene() {
+            self.unsaved = Some(Deferred::Tour);
+        } else {
+            self.begin_tour(ctx);
+        }
+    }
+
+    fn has_tour_scene(&self) -> bool {
+        let shot = bundled::BUNDLED[0].shot(&self.options.folder.join("scenes"));
+        self.session.as_ref().is_some_and(|session| session.document().path() == shot)
+    }
+
+    fn begin_tour(&mut self, ctx: &egui::Context) {
+        if !self.has_tour_scene()
             && let Err(error) = self.open_bundled(ctx, 0)
         {
-            self.show_error(&error);
+            return self.show_error(&error);
         }
         self.tour = self.session.as_ref().map(Tour::begin);
     }
@@ -272,6 +287,9 @@ impl Editor {
             if !self.shows_render {
                 session.close_render();
             }
+        }
+        if let Some(session) = &mut self.session {
+            dialogs::replace_exported(ctx, session);
         }
         if let Some(browser) = &mut self.browser {
             let (purpose, choice) = (browser.purpose, browser.show(ctx));
@@ -337,6 +355,7 @@ impl Editor {
         }
         match deferred {
             Deferred::Open(files) => self.open_files(ctx, files),
+            Deferred::Tour => self.begin_tour(ctx),
             Deferred::Quit => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -130,7 +130,7 @@ fn exports(ui: &mut Ui, session: &mut Session) {
         for (format, name) in EXPORTS {
             if ui.button(name).clicked() {
                 let wake = ui.ctx().clone();
-                session.export(format, move || wake.request_repaint());
+                session.export(format, false, move || wake.request_repaint());
                 ui.close();
             }
         }
