@@ -43,6 +43,13 @@ impl Picture {
         }
         Self { frame: number, revision, quality, size: [width as usize, height as usize], rgba }
     }
+    /// Returns whether the first and the last row are opaque, as in pictures that fill the frame.
+    pub(super) fn is_opaque(&self) -> bool {
+        let bytes = (4 * self.size[0]).min(self.rgba.len());
+        let rows = [&self.rgba[..bytes], &self.rgba[self.rgba.len() - bytes..]];
+        rows.into_iter().all(|row| row.chunks_exact(4).all(|pixel| pixel[3] == u8::MAX))
+    }
+
     /// Returns size and pixels of the picture such that no side is longer than `longest` pixels: larger pictures are averaged
     /// over blocks.
     pub(super) fn within(&self, longest: usize) -> ([usize; 2], Cow<'_, [u8]>) {
@@ -77,6 +84,7 @@ mod tests {
         let codes = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
         let rgba = codes.into_iter().flat_map(|code| [code, 0, 0, 255]).collect();
         let picture = Picture { frame: 1, revision: 0, quality: Quality::Final, size: [5, 2], rgba };
+        assert!(picture.is_opaque());
         assert_eq!(picture.within(5), (picture.size, picture.rgba.as_slice().into()));
         let (size, rgba) = picture.within(3);
         assert_eq!((size, rgba.to_vec()), ([3, 1], vec![30, 0, 0, 255, 50, 0, 0, 255, 65, 0, 0, 255]));

@@ -465,3 +465,36 @@ fn a_click_that_stops_playback_leaves_a_rendered_frame() {
     assert!(window.query_by_label("Play").is_some());
     settled(&mut window);
 }
+
+/// Returns the shapes that are meshes of colours alone.
+fn filled(window: &Window) -> usize {
+    let is_filled = |shape: &egui::Shape| matches!(shape, egui::Shape::Mesh(mesh) if mesh.texture_id == egui::TextureId::default() && mesh.vertices.len() > 20);
+    window.output().shapes.iter().filter(|clipped| is_filled(&clipped.shape)).count()
+}
+
+#[test]
+fn distortion_fills_the_lattice_though_its_lines_are_hidden() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::G);
+    window.run_steps(2);
+    let before = filled(&window);
+    window.key_press(Key::D);
+    window.run_steps(2);
+    assert_eq!(filled(&window), before + 1);
+}
+
+#[test]
+fn numbers_of_handles_can_be_chosen_automatically_again() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("auto").click();
+    window.run_steps(3);
+    assert!(session(&window).document().shot().layers[0].has_auto_dims);
+    settled(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert_eq!(session(&window).document().text(), SHOT);
+}

@@ -18,7 +18,7 @@ pub struct Shown {
     pub(crate) names: bool,
     /// Rest positions of pinned points.
     pub(crate) rest: bool,
-    /// Lattice lines coloured by stretch.
+    /// The lattice on the screen, filled with the colours of its distortion.
     pub(crate) distortion: bool,
     /// Painted stiffness.
     pub(crate) painted: bool,
@@ -41,13 +41,13 @@ pub struct Shown {
     pub(crate) is_hidden: bool,
 }
 
-/// Onion skins: neighbouring frames behind the current one.
+/// Onion skins: neighbouring frames behind the current one, or over it if it is opaque.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Onion {
     /// Number of frames on either side; 0: off.
     pub(crate) count: u32,
-    /// Step between them in frames; 0: the keys of the selected pins.
+    /// Step between them in frames; 0: the keys of the selected pins and handles.
     pub(crate) every: u32,
     /// Opacity of the nearest.
     pub(crate) opacity: f32,

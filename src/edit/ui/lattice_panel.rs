@@ -46,6 +46,11 @@ fn dims(ui: &mut Ui, session: &mut Session, layer: &Layer) {
     if new != old {
         session.set_dims(&new);
     }
+    let can_be_auto = matches!(layer.space, LayerSpace::Screen { .. }) && layer.handles.is_empty();
+    let hint = "Choose the numbers of handles by the thinnest parts of the layer";
+    if can_be_auto && layer.basis.can_branch() && ui.small_button("auto").on_hover_text(hint).clicked() {
+        session.set_layer("Resize lattice", &["lattice", "dims"], &Setting::Text("auto".into()), None);
+    }
 }
 
 fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {

@@ -141,7 +141,7 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
     ui.indent("onion", |ui| {
         ui.add(egui::Slider::new(&mut onion.count, 1..=5).text("on either side"));
         let mut by_keys = onion.every == 0;
-        if ui.checkbox(&mut by_keys, "by keys of chosen pins").changed() {
+        if ui.checkbox(&mut by_keys, "by keys of what is chosen").changed() {
             onion.every = if by_keys { 0 } else { 2 };
         }
         if !by_keys {

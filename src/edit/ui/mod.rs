@@ -26,6 +26,7 @@ mod menus;
 mod name_field;
 mod nudges;
 mod number_field;
+mod onion;
 mod options;
 mod over;
 mod panel_edge;

@@ -5,6 +5,7 @@
 use super::brush;
 use super::keys::is_held;
 use super::marks::{Over, RING};
+use super::onion;
 use super::references;
 use super::theme;
 use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
@@ -208,12 +209,17 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     painter.rect_filled(frame, 0, theme::backdrop(ui.visuals()));
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     let draw = |id: egui::TextureId, tint: Color32| _ = painter.image(id, frame, whole, tint);
-    let onions = onions(session);
-    for (picture, color) in &onions {
-        draw(textures.of_frame(ui.ctx(), picture), *color);
+    let references = references::laid(session, frame, &lens);
+    let onions = onion::onions(session);
+    let draw_onions = |textures: &mut Textures| {
+        onions.iter().for_each(|(picture, color)| draw(textures.of_frame(ui.ctx(), picture), *color));
+    };
+    // An opaque frame, such as a plate, would hide what lies behind it.
+    let is_opaque = session.picture().is_some_and(|picture| picture.is_opaque());
+    if !is_opaque {
+        draw_onions(textures);
     }
     let seen: Vec<i32> = onions.iter().map(|(picture, _)| picture.frame).collect();
-    let references = references::laid(session, frame, &lens);
     textures.keep(&seen, references.len());
     let draw_references = |textures: &mut Textures, is_above: bool| {
         for (place, laid) in references.iter().enumerate() {
@@ -226,6 +232,9 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     let is_before = session.shown.is_before;
     if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
         draw(textures.of(ui.ctx(), Seen::Frame, picture), Color32::WHITE);
+    }
+    if is_opaque {
+        draw_onions(textures);
     }
     draw_references(textures, true);
     let wipe = session.shown.wipe;
@@ -251,42 +260,6 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
         }
         Wipe::Ghost(opacity) => draw(id, Color32::WHITE.gamma_multiply(opacity)),
         Wipe::Off => {}
-    }
-}
-
-/// Returns the onion skins, the farthest first, each with its tint.
-fn onions(session: &Session) -> Vec<(&Arc<Picture>, Color32)> {
-    let onion = session.shown.onion;
-    if onion.count == 0 || session.playhead.is_playing() {
-        return Vec::new();
-    }
-    let here = session.playhead.frame();
-    let mut found = Vec::new();
-    for far in (1..=onion.count as i32).rev() {
-        for side in [-1, 1] {
-            let Some(frame) = onion_frame(session, here, far * side) else { continue };
-            let [red, green, blue] = onion.tints[usize::from(side > 0)];
-            let color = Color32::from_rgb(red, green, blue);
-            let opacity = onion.opacity / far as f32;
-            found.extend(session.picture_of(frame).map(|picture| (picture, color.gamma_multiply(opacity))));
-        }
-    }
-    found
-}
-
-/// Returns the frame a number of steps, or of keys, away.
-fn onion_frame(session: &Session, here: i32, steps: i32) -> Option<i32> {
-    if session.shown.onion.every > 0 {
-        return Some(here + steps * session.shown.onion.every as i32);
-    }
-    let shot = session.shot();
-    let pins = session.selection.pins.iter().filter_map(|[layer, pin]| shot.layers.get(*layer)?.pins.get(*pin));
-    let mut times: Vec<i32> = pins.flat_map(|pin| pin.keys.iter().map(|key| key.frame.round() as i32)).collect();
-    times.sort_unstable();
-    times.dedup();
-    match steps > 0 {
-        true => times.iter().filter(|time| **time > here).nth(steps as usize - 1).copied(),
-        false => times.iter().rev().filter(|time| **time < here).nth(steps.unsigned_abs() as usize - 1).copied(),
     }
 }
 
