@@ -293,7 +293,7 @@ impl Over<'_> {
 /// Returns how many of the lines of a lattice on the screen run across; they come first. All cells have the same number of points
 /// on each side.
 fn lines_across(lines: &[Vec<ScreenPoint>]) -> usize {
-    let [Some(across), Some(up)] = [lines.first(), lines.last()].map(|line| Some(line?.len().checked_sub(1)?)) else {
+    let [Some(across), Some(up)] = [lines.first(), lines.last()].map(|line| line?.len().checked_sub(1)) else {
         return 0;
     };
     up * lines.len().saturating_sub(2) / (across + up).max(1) + 1
