@@ -85,7 +85,8 @@ mod tests {
         let rgba = codes.into_iter().flat_map(|code| [code, 0, 0, 255]).collect();
         let picture = Picture { frame: 1, revision: 0, quality: Quality::Final, size: [5, 2], rgba };
         assert!(picture.is_opaque());
-        assert_eq!(picture.within(5), (picture.size, picture.rgba.as_slice().into()));
+        let (size, rgba) = picture.within(5);
+        assert_eq!((size, &*rgba), (picture.size, picture.rgba.as_slice()));
         let (size, rgba) = picture.within(3);
         assert_eq!((size, rgba.to_vec()), ([3, 1], vec![30, 0, 0, 255, 50, 0, 0, 255, 65, 0, 0, 255]));
     }
