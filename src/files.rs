@@ -47,6 +47,12 @@ pub(crate) fn check_regular(path: &Path) -> Result<()> {
     }
 }
 
+/// Whether two paths lead to one file.
+#[cfg(feature = "editor")]
+pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
+    one == other || one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -21,7 +21,8 @@ pub(crate) struct Reference {
     pub(crate) offset: [f32; 2],
     /// Its height in frame heights.
     pub(crate) scale: f32,
-    loaded: Option<(PathBuf, Arc<Picture>)>,
+    /// The file that was read last, and its picture, if it could be read.
+    loaded: Option<(PathBuf, Option<Arc<Picture>>)>,
 }
 
 impl Reference {
@@ -59,9 +60,11 @@ impl Reference {
     pub(crate) fn at(&mut self, frame: i32) -> Option<Arc<Picture>> {
         let file = self.file_of(frame).ok()?;
         if self.loaded.as_ref().is_none_or(|(known, _)| *known != file) {
+            // What cannot be read is not tried again until another frame is seen.
+            self.loaded = Some((file.clone(), None));
             self.load(&file).ok()?;
         }
-        self.loaded.as_ref().map(|(_, picture)| Arc::clone(picture))
+        self.loaded.as_ref()?.1.clone()
     }
 
     fn file_of(&self, frame: i32) -> Result<PathBuf, EditError> {
@@ -73,7 +76,7 @@ impl Reference {
 
     fn load(&mut self, file: &Path) -> Result<(), EditError> {
         let frame = read_any(file)?.into_frame();
-        self.loaded = Some((file.to_owned(), Arc::new(Picture::of(&frame, (0, 0), Quality::Final))));
+        self.loaded = Some((file.to_owned(), Some(Arc::new(Picture::of(&frame, (0, 0), Quality::Final)))));
         Ok(())
     }
 }

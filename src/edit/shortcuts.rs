@@ -151,22 +151,23 @@ impl Default for Shortcuts {
 }
 
 impl Shortcuts {
-    /// Reads the default shortcuts with the overrides of a file. If the file does not exist, the defaults.
+    /// Reads the default shortcuts with the overrides of a file. If the file does not exist, the defaults. `known`: the usual
+    /// name of a key.
     ///
     /// # Errors
     /// [`EditError`] if the file cannot be read, or holds an unknown action, an invalid chord or a duplicate one.
-    pub(crate) fn read(path: &Path) -> Result<Self, EditError> {
+    pub(crate) fn read(path: &Path, known: impl Fn(&str) -> Option<&'static str>) -> Result<Self, EditError> {
         if !path.exists() {
             return Ok(Self::default());
         }
         let text = read_text(path, TABLE_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
         Self::default()
-            .with(&text)
+            .with(&text, known)
             .map_err(|(what, hint)| EditError::Unusable { what: format!("{}: {what}", path.display()), hint })
     }
 
     /// Applies the overrides of a text.
-    fn with(mut self, text: &str) -> Result<Self, (String, String)> {
+    fn with(mut self, text: &str, known: impl Fn(&str) -> Option<&'static str>) -> Result<Self, (String, String)> {
         let own: BTreeMap<String, String> = serde_json::from_str(text)
             .map_err(|error| (error.to_string(), "write {\"undo\": \"Ctrl+Z\"}".to_owned()))?;
         for (id, chord) in own {
@@ -175,8 +176,9 @@ impl Shortcuts {
                 (format!("there is no action '{id}'"), crate::spelling::hint(&id, ids))
             })?;
             let hint = || "write it like Ctrl+Shift+Z, F1 or Space".to_owned();
-            let chord = Chord::parse(&chord).ok_or_else(|| (format!("'{chord}' is no key"), hint()))?;
-            self.0.insert(*action, chord);
+            let parsed =
+                Chord::parse(&chord).and_then(|parsed| Some(Chord { key: known(&parsed.key)?.to_owned(), ..parsed }));
+            self.0.insert(*action, parsed.ok_or_else(|| (format!("'{chord}' is no key"), hint()))?);
         }
         match self.clash() {
             Some(what) => Err((what, "give one of them another key".into())),
@@ -220,6 +222,12 @@ impl Shortcuts {
         Ok(())
     }
 
+    /// Returns the action of a chord.
+    #[must_use]
+    pub(crate) fn action_of(&self, chord: &Chord) -> Option<Action> {
+        self.0.iter().find(|(_, other)| *other == chord).map(|(action, _)| *action)
+    }
+
     /// Returns the chord of an action.
     #[must_use]
     pub(crate) fn of(&self, action: Action) -> Option<&Chord> {
@@ -231,9 +239,13 @@ impl Shortcuts {
 mod tests {
     use super::*;
 
+    fn known(key: &str) -> Option<&'static str> {
+        ["U", "S"].into_iter().find(|name| name.eq_ignore_ascii_case(key))
+    }
+
     #[test]
     fn every_action_has_a_key_of_its_own() {
-        let usual = Shortcuts::default().with("{}").expect("the usual ones do not clash");
+        let usual = Shortcuts::default().with("{}", known).expect("the usual ones do not clash");
         assert_eq!(usual.0.len(), Action::ALL.len());
         for chord in usual.0.values() {
             assert_eq!(Chord::parse(&chord.to_string()).as_ref(), Some(chord));
@@ -242,10 +254,11 @@ mod tests {
 
     #[test]
     fn a_file_binds_keys_anew_and_its_faults_are_told() {
-        let own = Shortcuts::default().with("{\"undo\": \"Alt+U\"}").expect("free");
+        let own = Shortcuts::default().with("{\"undo\": \"Alt+u\"}", known).expect("free");
         assert_eq!(own.of(Action::Undo).map(ToString::to_string).as_deref(), Some("Alt+U"));
-        let fault = |text: &str| Shortcuts::default().with(text).expect_err(text).0;
+        let fault = |text: &str| Shortcuts::default().with(text, known).expect_err(text).0;
         assert!(fault("{\"undoo\": \"U\"}").contains("no action 'undoo'"));
+        assert!(fault("{\"undo\": \"Alt+Spaec\"}").contains("'Alt+Spaec' is no key"));
         assert!(fault("{\"undo\": \"Hyper+U\"}").contains("'Hyper+U' is no key"));
         assert!(fault("{\"undo\": \"Ctrl+S\"}").contains("both 'save' and 'undo'"));
         assert!(fault("[]").contains("expected"));
@@ -258,7 +271,7 @@ mod tests {
         let mut own = Shortcuts::default();
         let chord = |text: &str| Chord::parse(text).expect("a chord");
         own.rebind(Action::Undo, chord("Alt+U"), &path).expect("free");
-        assert_eq!(Shortcuts::read(&path).expect("as written"), own);
+        assert_eq!(Shortcuts::read(&path, known).expect("as written"), own);
         assert_eq!(std::fs::read_to_string(&path).expect("written"), "{\n  \"undo\": \"Alt+U\"\n}");
         let before = own.clone();
         let error = own.rebind(Action::Redo, chord("Ctrl+S"), &path).expect_err("taken");

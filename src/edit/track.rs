@@ -61,10 +61,7 @@ pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) 
         return Some(*key);
     }
     // Strength is excluded, as it is applied to the value of the keys.
-    let mut plain = shot.layers[layer].clone();
-    (plain.strength, plain.step) = (1.0, 1);
-    let targets = plain.pin_path(&shot.frames, time);
-    let target = targets.last()?.pins.get(pin)?;
+    let target = own.keyed_target(time);
     let before = own.keys.iter().rev().find(|key| key.frame < time).or(own.keys.first());
     let rotate_degrees = target.rotation.map(|rotation| match rotation {
         Rotation::InView(angle) => Rotation::InView(angle.to_degrees()),
@@ -180,15 +177,13 @@ fn round(value: f64, parts: f64) -> f64 {
 pub(in crate::edit) fn handle_key_at(shot: &Shot, (layer, index): (usize, [usize; 3]), time: f64) -> Option<HandleKey> {
     let owner = shot.layers.get(layer)?;
     let resting = HandleKey { frame: time, offset: [0.0; 3], ease: Ease::Smooth };
-    let Some(place) = owner.handles.iter().position(|track| track.index == index) else { return Some(resting) };
-    let keys = &owner.handles[place].keys;
+    let Some(track) = owner.handles.iter().find(|track| track.index == index) else { return Some(resting) };
+    let keys = &track.keys;
     if let Some(key) = keys.iter().find(|key| key.frame == time) {
         return Some(*key);
     }
     // Strength is excluded, as it is applied to the value of the keys.
-    let mut plain = owner.clone();
-    (plain.strength, plain.step) = (1.0, 1);
-    let offset = plain.pin_path(&shot.frames, time).last().map_or([0.0; 3], |targets| targets.handles[place]);
+    let offset = track.keyed_offset(time);
     let ease = keys.iter().rev().find(|key| key.frame < time).map_or(Ease::Smooth, |key| key.ease);
     Some(HandleKey { frame: time, offset, ease })
 }
@@ -200,10 +195,28 @@ pub(in crate::edit) fn with_handle_key(track: Option<&HandleTrack>, first: f64, 
     with_key(track.map_or(&[resting], |track| &track.keys), key)
 }
 
-/// Returns the key of a handle after a drag; `by` in units of the lattice box's size.
+/// Returns the keys of a handle after a drag at a time; `by` in units of the lattice box's size. A handle without keys rests in
+/// the first frame of the shot.
 #[must_use]
-pub(in crate::edit) fn handle_moved(key: HandleKey, by: [f64; 3]) -> HandleKey {
-    HandleKey { offset: std::array::from_fn(|axis| round(key.offset[axis] + by[axis], 1e6)), ..key }
+pub(in crate::edit) fn handle_moved(
+    shot: &Shot,
+    at: (usize, [usize; 3]),
+    (time, auto): (f64, AutoKey),
+    by: [f64; 3],
+) -> Option<Vec<HandleKey>> {
+    let owner = shot.layers.get(at.0)?;
+    let strength = if owner.strength == 0.0 { 1.0 } else { owner.strength };
+    let change = |key: &HandleKey| HandleKey {
+        offset: std::array::from_fn(|axis| round(key.offset[axis] + by[axis] / strength, 1e6)),
+        ..*key
+    };
+    let track = owner.handles.iter().find(|track| track.index == at.1);
+    let first = f64::from(shot.frames.first);
+    match (auto, track) {
+        (AutoKey::Off, Some(track)) => Some(track.keys.iter().map(change).collect()),
+        (AutoKey::Off, None) => handle_key_at(shot, at, first).map(|key| vec![change(&key)]),
+        (AutoKey::On, _) => Some(with_handle_key(track, first, change(&handle_key_at(shot, at, time)?))),
+    }
 }
 
 #[cfg(test)]
@@ -269,5 +282,33 @@ mod tests {
         assert_eq!(keys[0].goal, Goal::SceneOffset([2.0, 0.0, 1.0]));
         let error = moved(&shot, [0, 0], (1.0, AutoKey::On), by, PinScale::default()).expect_err("not seen");
         assert!(error.to_string().contains("in the scene"), "{error}");
+    }
+
+    #[test]
+    fn without_auto_key_all_keys_of_a_handle_move_alike() {
+        let handle = "[[layer.handle]]\nindex = [1, 2]\nkeys = [ { frame = 1, offset = [0, 0] }, { frame = 9, offset = [0.5, 0] } ]";
+        let shot = shot(&format!("strength = 0.5\n{handle}"));
+        let moved = |index: [usize; 3], auto: AutoKey| -> Vec<(f64, f64)> {
+            let keys = handle_moved(&shot, (0, index), (5.0, auto), [0.1, 0.0, 0.0]).expect("it is there");
+            keys.iter().map(|key| (key.frame, key.offset[0])).collect()
+        };
+        assert_eq!(moved([1, 2, 0], AutoKey::Off), [(1.0, 0.2), (9.0, 0.7)]);
+        assert_eq!(moved([3, 3, 0], AutoKey::Off), [(1.0, 0.2)]);
+        assert_eq!(moved([1, 2, 0], AutoKey::On).iter().map(|key| key.0).collect::<Vec<_>>(), [1.0, 5.0, 9.0]);
+    }
+
+    #[test]
+    fn values_between_keys_are_those_of_the_keys_alone() {
+        let mut shot = shot(
+            "strength = 0.5\nstep = 4\n[[layer.handle]]\nindex = [1, 2]\nkeys = [ { frame = 1, offset = [0, 0] }, { frame = 9, offset = [0.5, 0] } ]",
+        );
+        let key = key_at(&shot, [0, 0], 6.0).expect("it is there");
+        let Some(Rotation::InView(angle)) = key.rotate_degrees else { panic!("{key:?}") };
+        assert!((offset(&key).x - 0.5).abs() < 1e-9 && (angle - 10.0).abs() < 1e-9 && key.scale.is_none(), "{key:?}");
+        let handle = handle_key_at(&shot, (0, [1, 2, 0]), 5.0).expect("it is there");
+        assert!(handle.frame == 5.0 && (handle.offset[0] - 0.25).abs() < 1e-9, "{handle:?}");
+        shot.layers[0].pins[0].keys.clear();
+        let key = key_at(&shot, [0, 0], 6.0).expect("at rest");
+        assert_eq!((offset(&key), key.rotate_degrees), (DVec2::ZERO, None));
     }
 }

@@ -116,11 +116,30 @@ struct Spoken {
 
 /// Determines the channels of every pin. It scans all keys, which may be many, so it is called once per path.
 fn spoken_of(layer: &Layer) -> Vec<Spoken> {
-    let spoken = |pin: &Pin| Spoken {
+    layer.pins.iter().map(spoken).collect()
+}
+
+fn spoken(pin: &Pin) -> Spoken {
+    Spoken {
         rotation: pin.keys.iter().find_map(|key| key.rotate_degrees),
         is_scaled: pin.keys.iter().any(|key| key.scale.is_some()),
-    };
-    layer.pins.iter().map(spoken).collect()
+    }
+}
+
+impl Pin {
+    /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
+    #[must_use]
+    pub(crate) fn keyed_target(&self, frame: f64) -> PinTarget {
+        pin_at(self, spoken(self), frame, 1.0)
+    }
+}
+
+impl HandleTrack {
+    /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
+    #[must_use]
+    pub(crate) fn keyed_offset(&self, frame: f64) -> [f64; 3] {
+        handle_at(self, 1.0, frame)
+    }
 }
 
 /// Evaluates all keys of a layer at a frame.
@@ -128,7 +147,7 @@ fn targets_at(layer: &Layer, spoken: &[Spoken], frame: f64) -> PinTargets {
     let pins = layer.pins.iter().zip(spoken);
     PinTargets {
         pins: pins.map(|(pin, spoken)| pin_at(pin, *spoken, frame, layer.strength)).collect(),
-        handles: layer.handles.iter().map(|handle| handle_at(handle, layer, frame)).collect(),
+        handles: layer.handles.iter().map(|handle| handle_at(handle, layer.strength, frame)).collect(),
     }
 }
 
@@ -175,9 +194,9 @@ fn rotation_at(kind: Rotation, span: &Span<PinKey>, strength: f64) -> Rotation {
     }
 }
 
-fn handle_at(handle: &HandleTrack, layer: &Layer, frame: f64) -> [f64; 3] {
+fn handle_at(handle: &HandleTrack, strength: f64, frame: f64) -> [f64; 3] {
     let Some(span) = Span::of(&handle.keys, frame, |key| (key.frame, key.ease)) else { return [0.0; 3] };
-    mix_all(span.from.offset, span.to.offset, span.weight).map(|x| x * layer.strength)
+    mix_all(span.from.offset, span.to.offset, span.weight).map(|x| x * strength)
 }
 
 /// Interpolates linearly; exact at both ends.

@@ -185,3 +185,16 @@ fn changes_elsewhere_in_the_file_are_merged_and_those_in_one_place_are_asked_abo
     fs::write(stage.shot(), &other).expect("written");
     assert_eq!(session.document_mut().check_disk().expect("a shot"), DiskChange::Conflict(other));
 }
+
+#[test]
+fn a_click_on_what_no_layer_moves_is_explained() {
+    let stage = Stage::new();
+    let end = SHOT.find("[[layer]]\nname    = \"right\"").expect("the other layer");
+    let output = SHOT.find("[output]").expect("the output");
+    fs::write(stage.shot(), [&SHOT[..end], &SHOT[output..]].concat()).expect("written");
+    let mut session = stage.session();
+    press(&mut session, at(1.35, 0.5));
+    session.release();
+    until(&mut session, "the click is answered", |session| session.message().is_some());
+    assert!(session.message().is_some_and(|told| told.contains("No layer moves 'Right'")), "{:?}", session.message());
+}

@@ -213,6 +213,31 @@ fn the_tour_opens_a_scene_and_leads_from_step_to_step() {
 }
 
 #[test]
+fn the_tour_takes_its_own_scene_and_asks_about_unsaved_work() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("Mute pin a").click();
+    window.run_steps(3);
+    window.key_press(Key::F2);
+    window.run_steps(3);
+    assert_eq!(session(&window).document().path(), stage.shot());
+    window.get_by_label("Discard").click();
+    window.run_steps(3);
+    assert!(session(&window).document().path().ends_with("walker/shot.toml"));
+    assert!(window.query_by_label("Drag a pin").is_some());
+    // From a later frame it begins on the same document.
+    window.get_by_label("End the tour").click();
+    window.run_steps(2);
+    window.get_by_label("Frame forward").click();
+    window.run_steps(2);
+    let frame = session(&window).playhead.frame();
+    window.key_press(Key::F2);
+    window.run_steps(3);
+    assert!(window.query_by_label("Drag a pin").is_some() && session(&window).playhead.frame() == frame);
+}
+
+#[test]
 fn a_key_is_bound_anew_in_the_list() {
     let stage = Stage::new();
     let mut window = window(&stage.state(), Some(&stage.shot()));
@@ -269,4 +294,207 @@ fn numbers_of_a_pin_in_sizes_of_the_box_are_per_cent() {
     window.key_press(Key::C);
     window.run_steps(3);
     assert!(window.query_by_label("x, % of the box").is_some() && window.query_by_label("x, px").is_none());
+}
+
+/// Numbers that the sliders do not reach, or show rounded, stay as they are until somebody changes them.
+#[test]
+fn looking_at_numbers_does_not_change_them() {
+    let pin = "coarse on purpose\nsolve = { smoothness = 0.125, temporal = 12.5 }\nstrength = 0.3333\n\n[[layer.pin]]\nname = \"p\"\nweight = 0.1234\n\
+               anchor = { screen = [0.4, 0.5], frame = 1 }\nregion = { radius = 0.01, rigidity = 0.1234, stiffness = 0.00512 }\n\
+               keys = [{ frame = 1, offset = [0.0123, 0.0], rotate = 0.12345, scale = 0.012 }]\n";
+    let text = SHOT
+        .replacen("coarse on purpose\n", pin, 1)
+        .replace("dims = [6, 6] }   #", "dims = [3, 9], basis = \"bilinear\" }   #");
+    let text = text.replace("samples = 4", "samples = 300");
+    let stage = Stage::new();
+    fs::write(stage.shot(), &text).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.query_all_by_label("Shot").next().expect("the settings of the shot").click_accesskit();
+    window.run_steps(3);
+    window.get_by_label("p").click();
+    window.run_steps(3);
+    assert_eq!(session(&window).document().text(), text, "opened and selected");
+    // Tab enters the fields and leaves them.
+    window.get_by_label("Pin name").focus();
+    window.run_steps(2);
+    for _ in 0..24 {
+        window.key_press(Key::Tab);
+        window.run_steps(2);
+    }
+    assert_eq!(session(&window).document().text(), text, "entered and left");
+}
+
+/// A touch screen reports the release and that the pointer is gone at once.
+#[test]
+fn a_drag_ends_where_a_finger_is_lifted() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let target = session(&window).marks()[0].pins[0].target.0;
+    let (from, to) = (place(&window, target.x, target.y), place(&window, target.x + 0.1, target.y));
+    pointer(&mut window, from, Some(true));
+    pointer(&mut window, from + 0.5 * (to - from), None);
+    pointer(&mut window, to, None);
+    let release =
+        Event::PointerButton { pos: to, button: PointerButton::Primary, pressed: false, modifiers: Modifiers::NONE };
+    window.input_mut().events.extend([release, Event::PointerGone]);
+    window.run_steps(2);
+    let labels: Vec<&str> = session(&window).document().history().labels().collect();
+    assert_eq!(labels, ["Move pin"]);
+}
+
+#[test]
+fn a_box_chooses_keys_after_a_click_on_a_key() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let row: Rect = window.get_by_label("Keys of a").rect();
+    let (left, right) = (row.left() + 150.0, row.right() - 16.0);
+    let x = |frame: f32| left + (frame - 0.5) / 6.0 * (right - left);
+    let key = egui::pos2(x(1.0), row.center().y);
+    pointer(&mut window, key, Some(true));
+    pointer(&mut window, key, Some(false));
+    window.run_steps(2);
+    let (from, to) = (egui::pos2(x(5.0), row.top() + 2.0), egui::pos2(x(2.0), row.bottom() - 2.0));
+    pointer(&mut window, from, Some(true));
+    for step in 1..=5 {
+        pointer(&mut window, from + (to - from) * (step as f32 / 5.0), None);
+    }
+    pointer(&mut window, to, Some(false));
+    window.run_steps(2);
+    assert_eq!(session(&window).selection.keys, [([0, 0].into(), 3.0)]);
+    assert_eq!(session(&window).document().history().labels().count(), 0, "no key was moved");
+}
+
+#[test]
+fn a_name_is_taken_when_its_field_is_left() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let labels =
+        |window: &Window| -> Vec<String> { session(window).document().history().labels().map(str::to_owned).collect() };
+    let replace = |window: &mut Window, field: &str, text: &str| {
+        window.get_by_label(field).focus();
+        window.run_steps(2);
+        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.run_steps(2);
+        for letter in text.chars() {
+            window.event(Event::Text(letter.to_string()));
+            window.run_steps(2);
+        }
+    };
+    // On the way it is the name of the other layer.
+    replace(&mut window, "Layer name", "right arm");
+    assert!(labels(&window).is_empty(), "{:?}", labels(&window));
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert_eq!(session(&window).document().shot().layers[0].name, "right arm");
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    replace(&mut window, "Pin name", "tip");
+    // The row of another pin selects it, and takes the name.
+    window.get_by_label("b").click();
+    window.run_steps(3);
+    let names: Vec<String> =
+        session(&window).document().shot().layers[0].pins.iter().map(|pin| pin.name.clone()).collect();
+    assert_eq!(names, ["tip", "b"]);
+    assert_eq!(labels(&window), ["Rename layer", "Rename pin"]);
+}
+
+#[test]
+fn space_presses_the_button_that_has_the_focus_and_plays_elsewhere() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    window.get_by_label("Mute").focus();
+    window.run_steps(2);
+    window.key_press(Key::Space);
+    window.run_steps(2);
+    assert!(session(&window).document().shot().layers[0].pins[0].is_muted);
+    let plays = |window: &Window| window.query_by_label("Stop").is_some();
+    assert!(!plays(&window));
+    window.get_by_label("Viewport").focus();
+    window.run_steps(2);
+    window.key_press(Key::Space);
+    window.run_steps(2);
+    assert!(plays(&window));
+}
+
+#[test]
+fn keys_of_the_clipboard_can_be_bound_to_other_actions() {
+    let stage = Stage::with(PINS);
+    fs::create_dir_all(stage.state()).expect("a folder");
+    fs::write(stage.state().join("keys.json"), "{ \"curves\": \"Ctrl+X\", \"paste\": \"Alt+V\" }").expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.event(Event::Paste("text".into()));
+    window.run_steps(2);
+    assert_eq!(session(&window).message(), None, "nothing is pasted");
+    window.event(Event::Cut);
+    window.run_steps(2);
+    assert!(window.query_by_label("Curves of keys").is_some());
+}
+
+#[test]
+fn hidden_pins_are_not_caught() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::P);
+    window.run_steps(2);
+    let target = session(&window).marks()[0].pins[0].target.0;
+    let at = place(&window, target.x, target.y);
+    pointer(&mut window, at, Some(true));
+    assert!(session(&window).selection.pins.is_empty());
+}
+
+#[test]
+fn a_click_that_stops_playback_leaves_a_rendered_frame() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("Every frame").click();
+    window.key_press(Key::Space);
+    until(&mut window, "it plays", |window| session(window).playhead.frame() > 1);
+    let empty = place(&window, 0.05, 0.05);
+    pointer(&mut window, empty, Some(true));
+    pointer(&mut window, empty, Some(false));
+    assert!(window.query_by_label("Play").is_some());
+    settled(&mut window);
+}
+
+/// Returns the shapes that are meshes of colours alone.
+fn filled(window: &Window) -> usize {
+    let is_filled = |shape: &egui::Shape| matches!(shape, egui::Shape::Mesh(mesh) if mesh.texture_id == egui::TextureId::default() && mesh.vertices.len() > 20);
+    window.output().shapes.iter().filter(|clipped| is_filled(&clipped.shape)).count()
+}
+
+#[test]
+fn distortion_fills_the_lattice_though_its_lines_are_hidden() {
+    let stage = Stage::with(PINS);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press(Key::G);
+    window.run_steps(2);
+    let before = filled(&window);
+    window.key_press(Key::D);
+    window.run_steps(2);
+    assert_eq!(filled(&window), before + 1);
+}
+
+#[test]
+fn numbers_of_handles_can_be_chosen_automatically_again() {
+    let stage = Stage::new();
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("auto").click();
+    window.run_steps(3);
+    assert!(session(&window).document().shot().layers[0].has_auto_dims);
+    settled(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert_eq!(session(&window).document().text(), SHOT);
 }

@@ -1,4 +1,4 @@
-//! Editing of layers and of the shot: order, lattices, strengths, range.
+//! Editing of layers: order, names, lattices, strengths, mattes.
 //!
 //! In: user commands. Out: one document change each.
 
@@ -7,7 +7,7 @@ use crate::edit::regrid::regridded;
 use crate::edit::track_keys::axes_of;
 use crate::plate::Matte;
 use crate::shot::edit::{
-    Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, put_setting, remove_layer,
+    Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, remove_layer, rename_layer,
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
 
@@ -53,16 +53,17 @@ impl Session {
         self.change(label, text, series.as_deref());
     }
 
-    /// Sets a value of the shot.
-    pub fn set_shot(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
-        let text = put_setting(self.document.text(), key, setting);
-        self.change(label, text, series);
-    }
-
-    /// Renames the selected layer.
-    pub(crate) fn rename_layer(&mut self, name: &str) {
-        if !name.trim().is_empty() {
-            self.set_layer("Rename layer", &["name"], &Setting::Text(name.to_owned()), None);
+    /// Renames a layer, with the pins that follow pins of it. It stays muted or soloed.
+    pub(crate) fn rename_layer(&mut self, index: usize, name: &str) {
+        let Some(layer) = self.document.shot().layers.get(index) else { return };
+        let old = layer.name.clone();
+        let text = rename_layer(self.document.text(), &old, name);
+        let (is_muted, is_solo) = (self.is_muted(&old), self.is_solo(&old));
+        if self.change("Rename layer", text, None) && (is_muted || is_solo) {
+            self.muted.extend(is_muted.then(|| name.to_owned()));
+            self.solo = if is_solo { Some(name.to_owned()) } else { self.solo.take() };
+            self.frames_changed();
+            self.refresh(Purpose::Look);
         }
     }
 
@@ -166,6 +167,20 @@ impl Session {
         self.muted.contains(name)
     }
 
+    /// Returns whether layers are muted in the editor, or not the soloed one: the picture then lacks what renders have.
+    #[must_use]
+    pub(crate) fn has_silent_layers(&self) -> bool {
+        self.solo.is_some() || !self.muted.is_empty()
+    }
+
+    /// Forgets muted and soloed layers that do not exist.
+    pub(super) fn forget_missing_layers(&mut self) {
+        let layers = &self.document.shot().layers;
+        let is_there = |name: &String| layers.iter().any(|layer| layer.name == *name);
+        self.muted.retain(is_there);
+        self.solo = self.solo.take().filter(is_there);
+    }
+
     /// Returns whether a layer is soloed.
     #[must_use]
     pub(crate) fn is_solo(&self, name: &str) -> bool {
@@ -208,26 +223,22 @@ impl Session {
     }
 }
 
-impl Session {
-    /// Selects a clip of the scene, and sets the frame range to its length.
-    pub(crate) fn choose_clip(&mut self, name: &str, secs: f64) {
-        let frames = &self.document.shot().frames;
-        let last = i64::from(frames.first) + (secs * frames.rate).round().max(0.0) as i64;
-        let range = Setting::Wholes(vec![i64::from(frames.first), last]);
-        let text = put_setting(self.document.text(), &["frames", "clip"], &Setting::Text(name.to_owned()))
-            .and_then(|text| put_setting(&text, &["frames", "last"], &Setting::Whole(last)))
-            .and_then(|text| put_setting(&text, &["solve_range"], &range));
-        self.change("Choose clip", text, None);
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Hides or shows a node.
-    pub(crate) fn toggle_node(&mut self, name: &str) {
-        let nodes = &self.loaded.nodes;
-        let is_hidden = |node: &&(String, bool)| (node.0 == name) != node.1;
-        let hidden: Vec<String> = nodes.iter().filter(is_hidden).map(|(name, _)| name.clone()).collect();
-        let setting = if hidden.is_empty() { Setting::Default } else { Setting::Texts(hidden) };
-        let text = put_setting(self.document.text(), &["hide"], &setting)
-            .and_then(|text| put_setting(&text, &["show"], &Setting::Default));
-        self.change("Hide or show", text, None);
+    const TEXT: &str = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n\
+                        [[layer]]\nname = 'arm'\n[[layer]]\nname = 'leg'\n";
+
+    #[test]
+    fn renamed_layers_stay_muted_and_deleted_ones_silence_nothing() {
+        let mut session = Session::of_text(TEXT);
+        session.toggle_solo("arm");
+        session.toggle_mute("arm");
+        session.rename_layer(0, "hand");
+        assert!(session.is_solo("hand") && session.is_muted("hand") && !session.is_muted("arm"));
+        session.delete_layer();
+        assert_eq!(session.shot().layers.len(), 1);
+        assert!(!session.has_silent_layers());
     }
 }

@@ -3,7 +3,7 @@
 //! In: the selected handles. Out: their keys; document changes.
 
 use super::Session;
-use crate::edit::track::{box_sizes, handle_key_at, handle_moved, key_time, with_handle_key};
+use crate::edit::track::{box_sizes, handle_moved, key_time};
 use crate::edit::track_keys::axes_of;
 use crate::shot::edit::put_handle;
 use crate::shot::{HandleTrack, LayerSpace, Shot};
@@ -15,15 +15,12 @@ impl Session {
         for &(layer, index) in &self.selection.handles {
             let owner = &base.layers[layer];
             let Some(by) = self.in_box(layer, index, by) else { continue };
-            let place = owner.handles.iter().position(|track| track.index == index);
             let time = key_time(&base.frames, owner, self.playhead.frame());
-            let Some(key) = handle_key_at(base, (layer, index), time) else { continue };
-            let by = by / if owner.strength == 0.0 { 1.0 } else { owner.strength };
-            let track = place.map(|place| &owner.handles[place]);
-            let keys = with_handle_key(track, f64::from(base.frames.first), handle_moved(key, by.to_array()));
+            let moved = handle_moved(base, (layer, index), (time, self.auto_key), by.to_array());
+            let Some(keys) = moved else { continue };
             let handles = &mut shot.layers[layer].handles;
-            match place {
-                Some(place) => handles[place].keys = keys,
+            match handles.iter_mut().find(|track| track.index == index) {
+                Some(track) => track.keys = keys,
                 None => handles.push(HandleTrack { index, keys }),
             }
         }

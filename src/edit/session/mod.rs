@@ -18,6 +18,7 @@ mod regions;
 mod render_run;
 mod rings;
 mod selection;
+mod shot_settings;
 mod shown;
 
 pub use arrange::MatteChoice;
@@ -104,8 +105,7 @@ pub struct Session {
     /// Copied keys.
     copied: Vec<clipboard::Copied>,
     run: Option<RenderRun>,
-    /// Receives the output of a running export.
-    export: Option<std::sync::mpsc::Receiver<String>>,
+    export: export_run::ExportRun,
     /// The reference pictures, the first one at the bottom.
     pub(crate) references: Vec<Reference>,
     next_question: u64,
@@ -149,12 +149,19 @@ impl Session {
             message: None,
             copied: Vec::new(),
             run: None,
-            export: None,
+            export: export_run::ExportRun::default(),
             references: Vec::new(),
             next_question: 0,
         };
         session.refresh(Purpose::Look);
         session
+    }
+
+    /// Edits a text without a file, whose scene is missing.
+    #[cfg(test)]
+    pub(in crate::edit) fn of_text(text: &str) -> Self {
+        let document = Document::new(std::path::Path::new("shot.toml"), text.to_owned()).expect("a shot");
+        Self::new(document, DeviceChoice::Cpu, || ())
     }
 
     /// Returns the open document.
@@ -243,6 +250,7 @@ impl Session {
         let replies: Vec<Reply> = self.worker.replies().collect();
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
+        self.notice_ended_worker();
         let has_run_on = self.run.as_mut().is_some_and(RenderRun::pump);
         self.pump_export() || is_any || has_run_on
     }
@@ -255,8 +263,17 @@ impl Session {
             if let Some(reply) = self.worker.wait(left) {
                 self.take(reply);
             }
+            self.notice_ended_worker();
         }
         self.fault.is_none()
+    }
+
+    /// Turns the end of the worker thread into a fault.
+    fn notice_ended_worker(&mut self) {
+        if self.fault.is_none() && self.worker.has_ended() {
+            self.fault = Some("Nothing can be drawn any more; save the shot and open it again.".into());
+            self.progress = None;
+        }
     }
 
     /// Returns whether the displayed picture is the rendered frame.
@@ -365,6 +382,7 @@ impl Session {
         let shot = self.document.shot();
         self.playhead.follow(&shot.frames);
         self.selection.retain(shot);
+        self.forget_missing_layers();
         self.frames_changed();
         self.refresh(Purpose::Look);
     }
@@ -384,7 +402,7 @@ impl Session {
             Purpose::Drag(_) | Purpose::Paint => Vec::new(),
             Purpose::Look | Purpose::Play => self.frames_ahead(),
         };
-        let with_before = self.shown.wipe != Wipe::Off && purpose == Purpose::Look;
+        let with_before = self.wants_before() && purpose == Purpose::Look;
         let (revision, frame) = (self.revision, self.playhead.frame());
         self.worker.want(Job { shot, revision, frame, purpose, next, with_before, is_shown: false });
     }
@@ -503,5 +521,27 @@ impl Session {
     pub(crate) fn reload(&mut self) {
         self.worker.forget();
         self.document_changed();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn a_worker_that_ended_is_a_fault() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        session.worker.end();
+        let begun = Instant::now();
+        while !session.worker.has_ended() {
+            assert!(begun.elapsed() < Duration::from_secs(60));
+            std::thread::yield_now();
+        }
+        // Replies that it sent before are gone.
+        session.pump();
+        session.frames_changed();
+        assert!(session.fault().is_none() && !session.settle(Duration::from_secs(60)));
+        assert!(session.fault().is_some_and(|fault| fault.contains("open it again")), "{:?}", session.fault());
     }
 }

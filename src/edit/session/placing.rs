@@ -35,9 +35,13 @@ impl Session {
         if id != wanted {
             return;
         }
+        let unmoved = point.as_ref().filter(|point| point.layer.is_none()).map(|point| point.node.clone());
         let found = point.and_then(|point| Some((point.layer?, point)));
         let Some((layer, point)) = found else {
             self.selection.clear();
+            if let Some(node) = unmoved {
+                self.say(format!("No layer moves '{node}': add one in the panel on the left (+), then click again."));
+            }
             if is_up {
                 self.gesture = Gesture::Idle;
             } else {

@@ -64,7 +64,10 @@ pub struct Ring {
 impl Session {
     /// Handles a pointer press. `reach`: hit distance of points in frame heights.
     pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
-        self.playhead.go(self.playhead.frame());
+        if self.playhead.is_playing() {
+            // The frame that is stopped at is drawn as rendered.
+            self.go(self.playhead.frame());
+        }
         let base = Arc::new(self.document.shot().clone());
         if held.part == PinPart::Target
             && let Some(gesture) = self.turn_at(at, ring, &base)
@@ -359,9 +362,12 @@ impl Session {
         self.write_keys(&label, &keys, series);
     }
 
-    /// Returns the nearest pin and its rest position.
+    /// Returns the nearest visible pin and its rest position.
     #[must_use]
     pub(crate) fn pin_near(&self, at: ScreenPoint, reach: f64) -> Option<([usize; 2], ScreenPoint)> {
+        if !self.shown.pins || self.shown.is_hidden {
+            return None;
+        }
         let marks = self.marks();
         let pins = marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| (marks.layer, pin)));
         let near = pins.map(|(layer, pin)| ((pin.target - at).0.length(), [layer, pin.pin], pin.rest));
@@ -391,6 +397,9 @@ impl Session {
     }
 
     fn choose_box(&mut self, [a, b]: [ScreenPoint; 2]) {
+        if !self.shown.pins || self.shown.is_hidden {
+            return;
+        }
         let holds = |point: ScreenPoint| ((point - a).0 * (point - b).0).max_element() <= 0.0;
         let marks = self.marks();
         let pins =

@@ -8,9 +8,10 @@ use crate::image::Existing;
 use crate::pipeline::{Event, PreparedShot, RenderOptions, Summary, render};
 use crate::raster::DeviceChoice;
 use crate::shot::Shot;
+use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A render that is running or has ended.
 #[derive(Debug)]
@@ -45,8 +46,12 @@ enum RenderMessage {
 }
 
 impl Session {
-    /// Renders the playback range if there is one, else the whole shot; existing frames that are up to date are kept.
+    /// Renders the playback range if there is one, else the whole shot; existing frames that are up to date are kept. A render
+    /// that is running goes on instead.
     pub(crate) fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
+        if self.run.as_ref().is_some_and(|run| run.state == RunState::Running) {
+            return;
+        }
         let frames: Vec<i32> = match self.playhead.has_range() {
             true => (self.playhead.range()[0]..=self.playhead.range()[1]).collect(),
             false => Vec::new(),
@@ -97,12 +102,7 @@ impl RenderRun {
         let cancel = Arc::new(AtomicBool::new(false));
         let (count, own_cancel) =
             (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
-        let work = move || {
-            let send = |message: RenderMessage| {
-                if sender.send(message).is_ok() {
-                    wake();
-                }
-            };
+        let draw = move |send: &(dyn Fn(RenderMessage) + Sync)| {
             let options = RenderOptions {
                 frames,
                 device,
@@ -117,6 +117,17 @@ impl RenderRun {
                 send(RenderMessage::Failed(error.to_string()));
             }
         };
+        let work = move || {
+            let send = |message: RenderMessage| {
+                if sender.send(message).is_ok() {
+                    wake();
+                }
+            };
+            // The window learns of a panic, too, when nobody is left to send.
+            let _ = std::panic::catch_unwind(AssertUnwindSafe(|| draw(&send)));
+            drop(sender);
+            wake();
+        };
         let mut log = Vec::new();
         let mut state = RunState::Running;
         if let Err(error) = std::thread::Builder::new().name("edit: render".into()).spawn(work) {
@@ -128,18 +139,21 @@ impl RenderRun {
 
     /// Processes the render's events. Returns whether anything changed.
     pub(super) fn pump(&mut self) -> bool {
-        let messages: Vec<RenderMessage> = self.events.try_iter().collect();
-        let is_any = !messages.is_empty();
-        for message in messages {
-            match message {
-                RenderMessage::Event(event) => self.take(*event),
-                RenderMessage::Failed(text) => {
+        let mut is_any = false;
+        loop {
+            match self.events.try_recv() {
+                Ok(RenderMessage::Event(event)) => self.take(*event),
+                Ok(RenderMessage::Failed(text)) => {
                     self.log.push(text);
                     self.state = RunState::Ended("Nothing was rendered.".into());
                 }
+                Err(TryRecvError::Disconnected) if self.state == RunState::Running => {
+                    self.state = RunState::Ended("Stopped by an internal error; render again to go on.".into());
+                }
+                Err(_) => return is_any,
             }
+            is_any = true;
         }
-        is_any
     }
 
     fn take(&mut self, event: Event) {
@@ -166,5 +180,33 @@ impl RenderRun {
                 self.state = RunState::Ended(format!("{end}: {rendered} frames in {wall_secs:.1} s{failed}"));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A render whose thread ended without a word.
+    fn abandoned() -> RenderRun {
+        let (_, events) = channel();
+        let (cancel, state) = (Arc::default(), RunState::Running);
+        RenderRun { events, cancel, frames: 77, done: 0, log: Vec::new(), state, files: Vec::new() }
+    }
+
+    #[test]
+    fn a_render_that_died_has_ended() {
+        let mut run = abandoned();
+        assert!(run.pump());
+        assert!(matches!(&run.state, RunState::Ended(words) if words.contains("internal error")), "{:?}", run.state);
+        assert!(!run.pump(), "that is told once");
+    }
+
+    #[test]
+    fn a_running_render_is_not_replaced() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        session.run = Some(abandoned());
+        session.render(DeviceChoice::Cpu, || ());
+        assert_eq!(session.run().map(|run| run.frames), Some(77));
     }
 }

@@ -18,7 +18,7 @@ pub struct Shown {
     pub(crate) names: bool,
     /// Rest positions of pinned points.
     pub(crate) rest: bool,
-    /// Lattice lines coloured by stretch.
+    /// The lattice on the screen, filled with the colours of its distortion.
     pub(crate) distortion: bool,
     /// Painted stiffness.
     pub(crate) painted: bool,
@@ -33,18 +33,21 @@ pub struct Shown {
     /// Comparison with the unwarped frame.
     #[serde(skip)]
     pub(crate) wipe: Wipe,
+    /// Whether only the unwarped frame is shown, temporarily.
+    #[serde(skip)]
+    pub(crate) is_before: bool,
     /// Whether all overlays are hidden temporarily.
     #[serde(skip)]
     pub(crate) is_hidden: bool,
 }
 
-/// Onion skins: neighbouring frames behind the current one.
+/// Onion skins: neighbouring frames behind the current one, or over it if it is opaque.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Onion {
     /// Number of frames on either side; 0: off.
     pub(crate) count: u32,
-    /// Step between them in frames; 0: the keys of the selected pins.
+    /// Step between them in frames; 0: the keys of the selected pins and handles.
     pub(crate) every: u32,
     /// Opacity of the nearest.
     pub(crate) opacity: f32,
@@ -58,8 +61,6 @@ pub(crate) enum Wipe {
     /// Off.
     #[default]
     Off,
-    /// Only the unwarped frame is shown.
-    Before,
     /// The unwarped frame is shown left of this fraction of the width.
     At(f32),
     /// The unwarped frame is shown over the warped one, with this opacity.
@@ -83,7 +84,7 @@ impl Shown {
     /// Returns what holds in the next session, too: no comparison, nothing hidden.
     #[must_use]
     pub(crate) const fn lasting(self) -> Self {
-        Self { wipe: Wipe::Off, is_hidden: false, ..self }
+        Self { wipe: Wipe::Off, is_before: false, is_hidden: false, ..self }
     }
 }
 
@@ -102,6 +103,7 @@ impl Default for Shown {
             trails: false,
             onion: Onion::default(),
             wipe: Wipe::Off,
+            is_before: false,
             is_hidden: false,
         }
     }
@@ -110,10 +112,44 @@ impl Default for Shown {
 impl super::Session {
     /// Sets the comparison, and requests the unwarped frame if it is missing.
     pub(crate) fn set_wipe(&mut self, wipe: Wipe) {
-        let is_new = self.shown.wipe == Wipe::Off && wipe != Wipe::Off;
+        let was_wanted = self.wants_before();
         self.shown.wipe = wipe;
-        if is_new && self.before().is_none() {
+        self.request_before(was_wanted);
+    }
+
+    /// Shows the unwarped frame alone, whatever the comparison is, or ends that.
+    pub(crate) fn show_before(&mut self, is_before: bool) {
+        let was_wanted = self.wants_before();
+        self.shown.is_before = is_before;
+        self.request_before(was_wanted);
+    }
+
+    /// Returns whether the unwarped frame is shown.
+    pub(super) fn wants_before(&self) -> bool {
+        self.shown.is_before || self.shown.wipe != Wipe::Off
+    }
+
+    fn request_before(&mut self, was_wanted: bool) {
+        if !was_wanted && self.wants_before() && self.before().is_none() {
             self.refresh(super::Purpose::Look);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::edit::Session;
+
+    #[test]
+    fn the_unwarped_frame_is_shown_for_a_while_and_the_comparison_stays() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        session.set_wipe(Wipe::At(0.25));
+        session.show_before(true);
+        assert!(session.shown.is_before && session.wants_before());
+        session.show_before(false);
+        assert_eq!((session.shown.wipe, session.shown.is_before), (Wipe::At(0.25), false));
+        session.show_before(true);
+        assert!(!session.shown.lasting().is_before);
     }
 }

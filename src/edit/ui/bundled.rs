@@ -35,6 +35,11 @@ pub(super) const BUNDLED: [Bundled; 6] = [
 ];
 
 impl Bundled {
+    /// Returns the path of its shot in the folder that it is unpacked into.
+    pub(super) fn shot(&self, scenes: &Path) -> PathBuf {
+        scenes.join(self.folder).join(self.files[0].0)
+    }
+
     /// Unpacks a copy into a folder, unless one exists; returns the path of its shot.
     pub(super) fn unpack(&self, scenes: &Path) -> Result<PathBuf, EditError> {
         let folder = scenes.join(self.folder);
@@ -50,6 +55,6 @@ impl Bundled {
                 Err(_) => replace_bytes(&*path, bytes)?,
             }
         }
-        Ok(folder.join(self.files[0].0))
+        Ok(self.shot(scenes))
     }
 }

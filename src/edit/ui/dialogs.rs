@@ -54,6 +54,18 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
     is_open && !is_closed
 }
 
+/// Asks whether an export may replace files that are there already.
+pub(super) fn replace_exported(ctx: &egui::Context, session: &mut Session) {
+    let Some(format) = session.export_clash() else { return };
+    let words = session.message().unwrap_or_default().to_owned();
+    let Some(answer) = ask(ctx, ("Replace the exported files?", &words), ["Replace", "Keep", ""]) else { return };
+    session.keep_exported();
+    if answer == Answer::First {
+        let wake = ctx.clone();
+        session.export(format, true, move || wake.request_repaint());
+    }
+}
+
 /// Asks a three-way question.
 pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&str; 3]) -> Option<Answer> {
     let mut answer = None;

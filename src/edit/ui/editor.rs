@@ -8,6 +8,7 @@ use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport};
 use crate::edit::{Action, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
+use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Deferred {
     Open(Dropped),
+    Tour,
     Quit,
 }
 
@@ -63,7 +65,7 @@ impl Editor {
     /// Starts without an open document, with a view.
     pub(super) fn with_view(ctx: &egui::Context, options: EditorOptions, view: KeptView) -> Self {
         theme::install(ctx);
-        let (shortcuts, fault) = match Shortcuts::read(&options.keys()) {
+        let (shortcuts, fault) = match Shortcuts::read(&options.keys(), keys::known) {
             Ok(shortcuts) => (shortcuts, None),
             Err(error) => (Shortcuts::default(), Some(error.to_string())),
         };
@@ -116,7 +118,7 @@ impl Editor {
             document.keep_journal(&self.options.journals());
         }
         self.begin_unjournaled(ctx, document);
-        (self.textures, self.timeline) = (Textures::default(), Timeline::default());
+        (self.textures, self.timeline, self.tour) = (Textures::default(), Timeline::default(), None);
         if let (Some(session), Some(fault)) = (&mut self.session, self.fault.take()) {
             // What was wrong at the start is told once.
             session.say(fault);
@@ -225,12 +227,26 @@ impl Editor {
         self.open(ctx, &shot)
     }
 
-    /// Begins the tour: on the open shot, else on the first bundled scene.
+    /// Begins the tour on the first bundled scene, after a question if there is unsaved work in another shot.
     pub(super) fn tour(&mut self, ctx: &egui::Context) {
-        if self.session.is_none()
+        let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
+        if is_dirty && !self.has_tour_scene() {
+            self.questions.unsaved = Some(Deferred::Tour);
+        } else {
+            self.begin_tour(ctx);
+        }
+    }
+
+    fn has_tour_scene(&self) -> bool {
+        let shot = bundled::BUNDLED[0].shot(&self.options.folder.join("scenes"));
+        self.session.as_ref().is_some_and(|session| is_same_file(session.document().path(), &shot))
+    }
+
+    pub(super) fn begin_tour(&mut self, ctx: &egui::Context) {
+        if !self.has_tour_scene()
             && let Err(error) = self.open_bundled(ctx, 0)
         {
-            self.show_error(&error);
+            return self.show_error(&error);
         }
         self.tour = self.session.as_ref().map(Tour::begin);
     }
@@ -257,6 +273,9 @@ impl Editor {
             if !self.shows_render {
                 session.close_render();
             }
+        }
+        if let Some(session) = &mut self.session {
+            dialogs::replace_exported(ctx, session);
         }
         if let Some(browser) = &mut self.browser {
             let (purpose, choice) = (browser.purpose, browser.show(ctx));

@@ -1,7 +1,8 @@
 //! The inspector: values of the selected pin, and the report of the frame.
 
-use super::accessible::Accessible;
 use super::icons;
+use super::name_field::NameField;
+use super::number_field::NumberField;
 use super::theme::heat;
 use crate::edit::{Channel, Session};
 use crate::pipeline::{FrameReport, LayerReport};
@@ -9,7 +10,15 @@ use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion, Rotation};
 use crate::space::{ScreenPoint, ScreenVector};
 use eframe::egui::{self, Color32, DragValue, Grid, RichText, ScrollArea, Ui};
 
+/// The field of a pin's name.
+const NAME: NameField = NameField { name: "Pin name", hint: "Pin name", width: f32::INFINITY };
+
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
+    if session.selection.single_pin().is_none()
+        && let Some((at, name)) = NAME.take_left(ui.ctx())
+    {
+        session.rename_pin(at, &name);
+    }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.add_space(6.0);
         match session.selection.single_pin() {
@@ -42,9 +51,7 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
         });
     });
     ui.separator();
-    let mut name = own.name.clone();
-    let edit = ui.add(egui::TextEdit::singleline(&mut name).desired_width(f32::INFINITY)).accessible("Pin name");
-    if edit.changed() && !name.trim().is_empty() {
+    if let Some((at, name)) = NAME.show(ui, at, &own.name) {
         session.rename_pin(at, &name);
     }
     let Some(key) = session.key_here(at) else { return };
@@ -70,8 +77,8 @@ fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
     ui.label("Weight");
     let mut weight = old;
     let hint = "1 holds the point exactly; less gives way to the shape and to other pins";
-    let slider = egui::Slider::new(&mut weight, 0.0..=1.0).max_decimals(2);
-    if ui.add(slider).accessible_name("Weight").on_hover_text(hint).changed() && weight != old {
+    let field = NumberField { name: "Weight", hint, range: 0.0..=1.0, decimals: 2 };
+    if field.slider(ui, &mut weight, |slider| slider) {
         session.set_weight(at, weight);
     }
     ui.end_row();
@@ -96,7 +103,8 @@ fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     let is_changed = ui
         .horizontal(|ui| {
             let mut number = |value: &mut f64, name: &str| {
-                ui.add(DragValue::new(value).speed(0.5).max_decimals(1).suffix(unit)).accessible(name).changed()
+                let field = NumberField { name, hint: name, range: f64::MIN..=f64::MAX, decimals: 1 };
+                field.drag(ui, value, |number| number.speed(0.5).suffix(unit))
             };
             let changed = [number(&mut new.x, &format!("{what} x")), number(&mut new.y, &format!("{what} y"))];
             changed.contains(&true)
@@ -133,8 +141,9 @@ fn three(ui: &mut Ui, what: &str, (mut values, speed): ([f64; 3], f64)) -> Optio
         .vertical(|ui| {
             let mut is_changed = false;
             for (value, axis) in values.iter_mut().zip(["x", "y", "z"]) {
-                let number = DragValue::new(value).speed(speed).max_decimals(4).prefix(format!("{axis} "));
-                is_changed |= ui.add(number).accessible(&format!("{what} {axis}")).changed();
+                let name = &format!("{what} {axis}");
+                let field = NumberField { name, hint: name, range: f64::MIN..=f64::MAX, decimals: 4 };
+                is_changed |= field.drag(ui, value, |number| number.speed(speed).prefix(format!("{axis} ")));
             }
             is_changed
         })
@@ -153,9 +162,11 @@ fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     }
     ui.label("Scale");
     let mut scale = key.scale.unwrap_or(1.0);
-    let number = DragValue::new(&mut scale).range(0.05..=20.0).speed(0.005);
-    let number = free_number(number, key.scale.is_none(), "");
-    if held_or_free(ui, session, (at, Channel::Scale), (number, "Scale", key.scale.is_none())) {
+    let field = NumberField { name: "Scale", hint: "Scale", range: 0.001..=1000.0, decimals: 3 };
+    let style = free_number(key.scale.is_none(), "");
+    if held_or_free(ui, session, (at, Channel::Scale, key.scale.is_none()), |ui| {
+        field.drag(ui, &mut scale, |number| style(number.speed(0.005)))
+    }) {
         session.put_key(at, PinKey { scale: Some(scale), ..key });
     }
     ui.end_row();
@@ -165,8 +176,9 @@ fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
 fn turn_in_view(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angle: Option<f64>) {
     ui.label("Rotation");
     let mut new = angle.unwrap_or(0.0);
-    let number = free_number(DragValue::new(&mut new).speed(0.5), angle.is_none(), "\u{b0}");
-    if held_or_free(ui, session, (at, Channel::Rotation), (number, "Rotation", angle.is_none())) {
+    if held_or_free(ui, session, (at, Channel::Rotation, angle.is_none()), |ui| {
+        angle_field(ui, &mut new, ("Rotation", ""), angle.is_none())
+    }) {
         session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
     }
     ui.end_row();
@@ -179,11 +191,11 @@ fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], Pin
     let mut is_changed = false;
     for ((value, channel), axis) in new.iter_mut().zip(axes).zip(["x", "y", "z"]) {
         ui.label(if axis == "x" { "Rotation" } else { "" }).on_hover_text("degrees about x, then y, then z");
-        let number =
-            free_number(DragValue::new(value).speed(0.5), angles.is_none(), "\u{b0}").prefix(format!("{axis} "));
         // One button frees all three.
         let is_free = angles.is_none() || axis != "x";
-        is_changed |= held_or_free(ui, session, (at, channel), (number, &format!("Rotation {axis}"), is_free));
+        is_changed |= held_or_free(ui, session, (at, channel, is_free), |ui| {
+            angle_field(ui, value, (&format!("Rotation {axis}"), &format!("{axis} ")), angles.is_none())
+        });
         ui.end_row();
     }
     if is_changed {
@@ -191,24 +203,32 @@ fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], Pin
     }
 }
 
-/// Makes a number field show "free" if the pin has no value in that channel.
-fn free_number<'a>(number: DragValue<'a>, is_free: bool, unit: &'static str) -> DragValue<'a> {
+/// Shows an angle in degrees. Returns whether it is changed.
+fn angle_field(ui: &mut Ui, angle: &mut f64, (name, prefix): (&str, &str), is_free: bool) -> bool {
+    let field = NumberField { name, hint: name, range: f64::MIN..=f64::MAX, decimals: 3 };
+    let style = free_number(is_free, "\u{b0}");
+    field.drag(ui, angle, |number| style(number.speed(0.5)).prefix(prefix))
+}
+
+/// Returns a style of number fields that shows "free" if the pin has no value in that channel.
+fn free_number(is_free: bool, unit: &'static str) -> impl Fn(DragValue) -> DragValue {
     let write = move |value: f64, _: std::ops::RangeInclusive<usize>| match is_free {
         true => "free".to_owned(),
         false => format!("{}{unit}", (value * 1e3).round() / 1e3),
     };
-    number.custom_formatter(write).custom_parser(move |text| text.trim_end_matches(unit).trim().parse().ok())
+    let read = move |text: &str| text.trim_end_matches(unit).trim().parse().ok();
+    move |number| number.custom_formatter(write).custom_parser(read)
 }
 
-/// Shows a number field and a button that clears the channel. Returns whether the value changed.
+/// Shows a number field and, unless the channel is free, a button that clears it. Returns whether the value changed.
 fn held_or_free(
     ui: &mut Ui,
     session: &mut Session,
-    (at, channel): ([usize; 2], Channel),
-    (number, name, is_free): (DragValue, &str, bool),
+    (at, channel, is_free): ([usize; 2], Channel, bool),
+    number: impl FnOnce(&mut Ui) -> bool,
 ) -> bool {
     let row = ui.horizontal(|ui| {
-        let is_changed = ui.add(number).accessible(name).changed();
+        let is_changed = number(ui);
         let hint = "Unconstrained: the pin leaves rotation and scale free";
         let is_freed = !is_free && ui.small_button("free").on_hover_text(hint).clicked();
         (is_changed, is_freed)
@@ -235,21 +255,22 @@ fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<
     ui.label("Radius");
     let (unit, scale) = session.radius_unit(at).display(lines);
     let mut radius = old.radius * scale;
-    let (least, decimals) = (scale * 2.0 / lines, if scale == lines { 0 } else { 3 });
-    let number = DragValue::new(&mut radius).range(least..=4.0 * scale.max(old.radius * scale));
-    ui.add(number.speed(scale / lines).max_decimals(decimals).suffix(unit)).accessible("Radius");
-    new.radius = radius / scale;
+    let decimals = if scale == lines { 0 } else { 3 };
+    let field = NumberField { name: "Radius", hint: "Radius", range: 1e-5 * scale..=1e5 * scale, decimals };
+    let mut is_edited = field.drag(ui, &mut radius, |number| number.speed(scale / lines).suffix(unit));
+    if is_edited {
+        new.radius = radius / scale;
+    }
     ui.end_row();
     ui.label("Rigidity");
-    ui.add(egui::Slider::new(&mut new.rigidity, 0.0..=1.0).max_decimals(2)).accessible("Rigidity");
+    let field = NumberField { name: "Rigidity", hint: "Rigidity", range: 0.0..=1.0, decimals: 2 };
+    is_edited |= field.slider(ui, &mut new.rigidity, |slider| slider);
     ui.end_row();
     ui.label("Stiffness");
-    ui.add(egui::Slider::new(&mut new.stiffness, 0.01..=100.0).logarithmic(true).max_decimals(2))
-        .accessible("Stiffness");
+    let field = NumberField { name: "Stiffness", hint: "Stiffness", range: 0.001..=1000.0, decimals: 3 };
+    is_edited |= field.slider(ui, &mut new.stiffness, |slider| slider.logarithmic(true));
     ui.end_row();
-    let is_other =
-        (new.radius - old.radius).abs() > 1e-9 || new.rigidity != old.rigidity || new.stiffness != old.stiffness;
-    if is_other {
+    if is_edited {
         session.set_region(at, Some(new));
     }
 }

@@ -13,6 +13,32 @@ fn key(chord: &Chord) -> Option<Key> {
     Key::from_name(&chord.key)
 }
 
+/// Returns the usual name of a key; `None` if there is no such key.
+pub(super) fn known(name: &str) -> Option<&'static str> {
+    Key::from_name(name).map(|key| key.name())
+}
+
+/// Returns the chord of an event that the toolkit makes of it, for the clipboard.
+fn clipboard_chord(event: &egui::Event) -> Option<Chord> {
+    let key = match event {
+        egui::Event::Copy => "C",
+        egui::Event::Cut => "X",
+        egui::Event::Paste(_) => "V",
+        _ => return None,
+    };
+    Some(Chord { command: true, key: key.to_owned(), ..Chord::default() })
+}
+
+/// Returns whether Space or Enter, alone, presses the button that has keyboard focus.
+fn presses_button(ctx: &egui::Context, chord: &Chord) -> bool {
+    let is_plain = !chord.command && !chord.shift && !chord.alt;
+    let is_pressing = is_plain && matches!(key(chord), Some(Key::Space | Key::Enter));
+    let focused = ctx.memory(|memory| memory.focused()).filter(|_| is_pressing);
+    // The picture, rows and curves are dragged, too.
+    let sense = focused.and_then(|id| ctx.read_response(id)).map(|response| response.sense);
+    sense.is_some_and(|sense| sense.senses_click() && !sense.senses_drag())
+}
+
 /// Returns the actions whose keys were pressed; none while a text field has focus.
 pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action> {
     if ctx.text_edit_focused() {
@@ -20,9 +46,12 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
     }
     let is_held_kind = |action: Action| action.group() == "Hold";
     let mut found = Vec::new();
+    let is_left_to_button = |action: Action| shortcuts.of(action).is_some_and(|chord| presses_button(ctx, chord));
+    let left: Vec<Action> = Action::ALL.iter().copied().filter(|action| is_left_to_button(*action)).collect();
     ctx.input_mut(|input| {
         // Chords with more modifiers come first, so that Ctrl+Shift+Z does not match Ctrl+Z.
-        let mut actions: Vec<Action> = Action::ALL.iter().copied().filter(|action| !is_held_kind(*action)).collect();
+        let mut actions: Vec<Action> =
+            Action::ALL.iter().copied().filter(|action| !is_held_kind(*action) && !left.contains(action)).collect();
         let count = |action: &Action| {
             shortcuts
                 .of(*action)
@@ -37,17 +66,12 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
                 found.push(action);
             }
         }
-        // The toolkit turns these chords into events of their own.
-        input.events.retain(|event| match event {
-            egui::Event::Copy => {
-                found.push(Action::Copy);
+        input.events.retain(|event| match clipboard_chord(event) {
+            Some(chord) => {
+                found.extend(shortcuts.action_of(&chord));
                 false
             }
-            egui::Event::Paste(_) => {
-                found.push(Action::Paste);
-                false
-            }
-            _ => true,
+            None => true,
         });
     });
     found

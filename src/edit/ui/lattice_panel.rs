@@ -1,11 +1,12 @@
 //! The settings of a layer's lattice, and the nodes that it moves.
 
 use super::accessible::Accessible;
+use super::number_field::whole;
 use crate::edit::Session;
 use crate::lattice::Basis;
 use crate::shot::edit::Setting;
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
-use eframe::egui::{ComboBox, DragValue, Popup, ScrollArea, Ui};
+use eframe::egui::{ComboBox, Popup, ScrollArea, Ui};
 
 /// Shows the rows of the grid of settings.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
@@ -34,16 +35,21 @@ fn dims(ui: &mut Ui, session: &mut Session, layer: &Layer) {
         return;
     }
     let names = ["Columns", "Rows", "Layers of handles"];
-    let (mut new, most) = match layer.space {
-        LayerSpace::Screen { dims, .. } => (dims.to_vec(), 64),
-        LayerSpace::World { dims, .. } => (dims.to_vec(), 16),
+    let mut new = match layer.space {
+        LayerSpace::Screen { dims, .. } => dims.to_vec(),
+        LayerSpace::World { dims, .. } => dims.to_vec(),
     };
     let old = new.clone();
     for (count, name) in new.iter_mut().zip(names) {
-        ui.add(DragValue::new(count).range(4..=most).speed(0.1)).accessible(name);
+        ui.add(whole(count, layer.basis.min_handles()..=64).speed(0.1)).accessible(name);
     }
     if new != old {
         session.set_dims(&new);
+    }
+    let can_be_auto = matches!(layer.space, LayerSpace::Screen { .. }) && layer.handles.is_empty();
+    let hint = "Choose the numbers of handles by the thinnest parts of the layer";
+    if can_be_auto && layer.basis.can_branch() && ui.small_button("auto").on_hover_text(hint).clicked() {
+        session.set_layer("Resize lattice", &["lattice", "dims"], &Setting::Text("auto".into()), None);
     }
 }
 

@@ -2,10 +2,12 @@
 
 use super::accessible::Accessible;
 use super::icons::{self, Icon};
+use super::name_field::NameField;
+use super::number_field::NumberField;
 use super::{brush, lattice_panel, matte, shot_panel};
 use crate::edit::Session;
 use crate::shot::edit::Setting;
-use eframe::egui::{self, CollapsingHeader, DragValue, Grid, RichText, ScrollArea, Slider, Ui};
+use eframe::egui::{self, CollapsingHeader, Grid, RichText, ScrollArea, Ui};
 
 /// A click in the list.
 enum Click {
@@ -123,11 +125,10 @@ fn settings(ui: &mut Ui, session: &mut Session) {
     CollapsingHeader::new(format!("Settings of '{}'", layer.name)).default_open(true).show(ui, |ui| {
         Grid::new("layer settings").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
             // The layer's effective strength includes the shot's, so the file's own value is edited.
-            let own = session.own_strength(index);
-            let mut strength = own;
+            let mut strength = session.own_strength(index);
             ui.label("Strength");
-            let slider = Slider::new(&mut strength, 0.0..=2.0).clamping(egui::SliderClamping::Never).max_decimals(2);
-            if ui.add(slider).accessible("Strength").changed() && strength != own {
+            let field = NumberField { name: "Strength", hint: "Strength", range: 0.0..=2.0, decimals: 2 };
+            if field.slider(ui, &mut strength, |slider| slider.clamping(egui::SliderClamping::Never)) {
                 let setting =
                     if strength == 1.0 { Setting::Default } else { Setting::Number((strength * 1e3).round() / 1e3) };
                 session.set_layer("Change strength", &["strength"], &setting, Some("strength"));
@@ -136,18 +137,17 @@ fn settings(ui: &mut Ui, session: &mut Session) {
             lattice_panel::show(ui, session, &layer);
             ui.label("Smoothness");
             let mut smoothness = session.own_smoothness(index);
-            let old = smoothness;
-            let slider = Slider::new(&mut smoothness, 0.1..=10.0).logarithmic(true).max_decimals(2);
-            if ui.add(slider).accessible("Smoothness").changed() && smoothness != old {
+            let field = NumberField { name: "Smoothness", hint: "Smoothness", range: 0.1..=10.0, decimals: 2 };
+            if field.slider(ui, &mut smoothness, |slider| slider.logarithmic(true)) {
                 let setting = Setting::Number((smoothness * 1e2).round() / 1e2);
                 session.set_layer("Change smoothness", &["solve", "smoothness"], &setting, Some("smoothness"));
             }
             ui.end_row();
             ui.label("Over time");
             let mut temporal = layer.settings.temporal;
-            let value = DragValue::new(&mut temporal).range(0.0..=10.0).speed(0.02).max_decimals(2);
             let hint = "Frames are solved together, so that nothing snaps; 0: each alone";
-            if ui.add(value).accessible_name("Over time").on_hover_text(hint).changed() {
+            let field = NumberField { name: "Over time", hint, range: 0.0..=100.0, decimals: 2 };
+            if field.drag(ui, &mut temporal, |number| number.speed(0.02)) {
                 session.set_layer(
                     "Change weight over time",
                     &["solve", "temporal"],
@@ -162,11 +162,10 @@ fn settings(ui: &mut Ui, session: &mut Session) {
                 ui.end_row();
             }
             ui.label("Name");
-            let mut name = layer.name.clone();
             // A field as wide as the panel would keep the panel from becoming narrower.
-            let field = egui::TextEdit::singleline(&mut name).desired_width(120.0);
-            if ui.add(field).accessible("Layer name").changed() && !name.trim().is_empty() {
-                session.rename_layer(&name);
+            let field = NameField { name: "Layer name", hint: "Layer name", width: 120.0 };
+            if let Some((index, name)) = field.show(ui, index, &layer.name) {
+                session.rename_layer(index, &name);
             }
             ui.end_row();
         });

@@ -19,6 +19,9 @@ const TRAIL: i32 = 24;
 /// Spacing of lattice lines, in points, from which they are drawn at full opacity.
 const WIDE: f32 = 36.0;
 
+/// Opacity of the filled distortion.
+const HEAT: f32 = 0.55;
+
 /// Draws the overlays of a picture.
 pub(super) struct Over<'a> {
     pub(super) session: &'a Session,
@@ -51,6 +54,9 @@ impl Over<'_> {
             .chain(marks.iter().filter(|marks| marks.layer == chosen));
         let ordered: Vec<&LayerMarks> = ordered.collect();
         for marks in &ordered {
+            if shown.distortion && marks.layer == chosen {
+                self.distortion(marks);
+            }
             if shown.lattice {
                 self.lattice(marks, marks.layer == chosen);
             }
@@ -85,19 +91,30 @@ impl Over<'_> {
         let color = if is_chosen { over::LATTICE } else { over::OTHER_LATTICE };
         // Dense lines would cover the picture, so they are faded.
         let color = color.gamma_multiply((self.line_spacing(marks) / WIDE).clamp(0.35, 1.0));
-        let is_heat = self.session.shown.distortion && is_chosen;
-        for (number, line) in marks.lines.iter().enumerate() {
+        for line in &marks.lines {
             let points: Vec<Pos2> = line.iter().map(|&point| self.at(point)).collect();
-            let stretches = marks.distortion.get(number).filter(|_| is_heat);
-            match stretches {
-                None => _ = self.painter.line(points, Stroke::new(1.0, color)),
-                Some(stretches) => {
-                    for (ends, stretch) in points.windows(2).zip(stretches.windows(2)) {
-                        let color = heat(f64::midpoint(stretch[0], stretch[1]));
-                        self.painter.line_segment([ends[0], ends[1]], Stroke::new(2.5, color));
-                    }
-                }
+            self.painter.line(points, Stroke::new(1.0, color));
+        }
+    }
+
+    /// Fills a lattice on the screen with its distortion, between the lines across and at the points of each.
+    fn distortion(&self, marks: &LayerMarks) {
+        let mut mesh = Mesh::default();
+        for (line, stretches) in marks.lines.iter().zip(&marks.distortion).take(lines_across(&marks.lines)) {
+            let (count, first) = (line.len() as u32, mesh.vertices.len() as u32);
+            for (&point, &stretch) in line.iter().zip(stretches) {
+                mesh.colored_vertex(self.at(point), heat(stretch).gamma_multiply(HEAT));
             }
+            if first < count {
+                continue;
+            }
+            for below in first - count..first - 1 {
+                mesh.add_triangle(below, below + 1, below + count);
+                mesh.add_triangle(below + 1, below + count + 1, below + count);
+            }
+        }
+        if !mesh.is_empty() {
+            self.painter.add(Shape::mesh(mesh));
         }
     }
 
@@ -270,5 +287,30 @@ impl Over<'_> {
             self.painter.line_segment([middle - arm, middle + arm], Stroke::new(1.0, over::GUIDE));
         }
         self.painter.rect_stroke(frame, 0, Stroke::new(1.0, over::GUIDE), StrokeKind::Outside);
+    }
+}
+
+/// Returns how many of the lines of a lattice on the screen run across; they come first. All cells have the same number of points
+/// on each side.
+fn lines_across(lines: &[Vec<ScreenPoint>]) -> usize {
+    let [Some(across), Some(up)] = [lines.first(), lines.last()].map(|line| line?.len().checked_sub(1)) else {
+        return 0;
+    };
+    up * lines.len().saturating_sub(2) / (across + up).max(1) + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_across_are_told_from_lines_up() {
+        for (columns, rows) in [(1, 1), (3, 3), (7, 2), (2, 7)] {
+            let line = |cells: usize| vec![ScreenPoint::new(0.0, 0.0); 4 * cells + 1];
+            let across = (0..=rows).map(|_| line(columns));
+            let lines: Vec<_> = across.chain((0..=columns).map(|_| line(rows))).collect();
+            assert_eq!(lines_across(&lines), rows + 1);
+        }
+        assert_eq!(lines_across(&[]), 0);
     }
 }

@@ -1,9 +1,10 @@
 //! Selection of the part of a plate that the selected layer moves.
 
 use super::accessible::Accessible;
+use super::name_field::NameField;
 use crate::edit::{MatteChoice, Session};
 use crate::shot::Layer;
-use eframe::egui::{ComboBox, TextEdit, Ui};
+use eframe::egui::{ComboBox, Ui};
 
 /// Shows the list of kinds, and the names that some kinds require.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
@@ -29,9 +30,9 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
     });
     list.response.accessible("Matte");
     let Some((old, hint)) = words(&now) else { return };
-    let mut text = old.clone();
-    let edit = TextEdit::singleline(&mut text).desired_width(120.0);
-    if ui.add(edit).accessible_name("Names of the matte").on_hover_text(hint).changed() && text != old {
+    let field = NameField { name: "Names of the matte", hint, width: 120.0 };
+    let typed = field.show(ui, session.selection.layer, &old);
+    if let Some((_, text)) = typed.filter(|(layer, _)| *layer == session.selection.layer) {
         let names = || text.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect();
         session.set_matte(&match now {
             MatteChoice::Channel(_) => MatteChoice::Channel(text.trim().to_owned()),

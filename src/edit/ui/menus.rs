@@ -120,7 +120,7 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
     match &mut session.shown.wipe {
         Wipe::At(share) => _ = ui.add(egui::Slider::new(share, 0.0..=1.0).text("wipe")),
         Wipe::Ghost(opacity) => _ = ui.add(egui::Slider::new(opacity, 0.05..=1.0).text("opacity of the ghost")),
-        Wipe::Off | Wipe::Before => {}
+        Wipe::Off => {}
     }
 }
 
@@ -130,7 +130,7 @@ fn exports(ui: &mut Ui, session: &mut Session) {
         for (format, name) in EXPORTS {
             if ui.button(name).clicked() {
                 let wake = ui.ctx().clone();
-                session.export(format, move || wake.request_repaint());
+                session.export(format, false, move || wake.request_repaint());
                 ui.close();
             }
         }
@@ -141,7 +141,7 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
     ui.indent("onion", |ui| {
         ui.add(egui::Slider::new(&mut onion.count, 1..=5).text("on either side"));
         let mut by_keys = onion.every == 0;
-        if ui.checkbox(&mut by_keys, "by keys of chosen pins").changed() {
+        if ui.checkbox(&mut by_keys, "by keys of what is chosen").changed() {
             onion.every = if by_keys { 0 } else { 2 };
         }
         if !by_keys {

@@ -5,6 +5,7 @@
 use super::dialogs::{Answer, ask};
 use super::editor::{Deferred, Editor};
 use crate::edit::{DiskChange, Document, EditError, forget, unfinished};
+use crate::files::is_same_file;
 use crate::spelling::pluralised;
 use eframe::egui;
 use std::path::Path;
@@ -21,7 +22,7 @@ impl Editor {
     /// Looks for work of killed editors, and asks about that on a shot.
     pub(super) fn look_for_work(&mut self, shot: &Path) {
         self.left = unfinished(&self.options.journals());
-        let left = self.left.iter().find(|left| is_same(&left.path, shot));
+        let left = self.left.iter().find(|left| is_same_file(&left.path, shot));
         self.questions.recovered = left.map(|left| left.journal.clone());
     }
 
@@ -62,7 +63,7 @@ impl Editor {
     /// Saves to another path, after a question if there is a file.
     pub(super) fn try_save_as(&mut self, path: &Path) {
         let Some(session) = &mut self.session else { return };
-        let saved = if is_same(path, session.document().path()) {
+        let saved = if is_same_file(path, session.document().path()) {
             session.save()
         } else if path.exists() {
             self.questions.overwritten = Some(path.to_owned());
@@ -150,6 +151,7 @@ impl Editor {
         }
         match deferred {
             Deferred::Open(files) => self.open_files(ctx, files),
+            Deferred::Tour => self.begin_tour(ctx),
             Deferred::Quit => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -164,9 +166,4 @@ impl Editor {
             session.say(fault);
         }
     }
-}
-
-/// Returns whether two paths lead to one file.
-fn is_same(one: &Path, other: &Path) -> bool {
-    one == other || one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
 }

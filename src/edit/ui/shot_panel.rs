@@ -1,10 +1,11 @@
 //! Settings of the shot: clip, frames, camera, samples, hidden nodes.
 
 use super::accessible::Accessible;
+use super::number_field::whole;
 use crate::edit::Session;
 use crate::shot::edit::Setting;
 use crate::shot::{CameraRule, ClipName};
-use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Grid, Label, ScrollArea, Ui};
+use eframe::egui::{CollapsingHeader, ComboBox, Grid, Label, ScrollArea, Ui};
 
 /// Views for scenes without a camera.
 const VIEWS: [&str; 7] = ["fit", "front", "three-quarter", "left", "right", "back", "top"];
@@ -23,8 +24,12 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             }
             ui.label("Samples");
             let mut samples = session.shot().samples;
-            let value = DragValue::new(&mut samples).range(1..=256).speed(0.2);
-            if ui.add(value).accessible("Samples").on_hover_text("a pixel, of the rendered frame").changed() {
+            if ui
+                .add(whole(&mut samples, 1..=4096))
+                .accessible("Samples")
+                .on_hover_text("a pixel, of the rendered frame")
+                .changed()
+            {
                 session.set_shot("Change samples", &["samples"], &Setting::Whole(i64::from(samples)), Some("samples"));
             }
             ui.end_row();
@@ -59,18 +64,11 @@ fn frames(ui: &mut Ui, session: &mut Session) {
     ui.label("Frames");
     let [mut first, mut last] = session.playhead.shot_range();
     ui.horizontal(|ui| {
-        if ui
-            .add(DragValue::new(&mut first).range(-100_000..=last).speed(0.2))
-            .accessible("First of the shot")
-            .changed()
-        {
-            let first = Setting::Whole(i64::from(first));
-            session.set_shot("Change frames", &["frames", "first"], &first, Some("frames"));
-        }
+        let mut is_changed = ui.add(whole(&mut first, -100_000..=last)).accessible("First of the shot").changed();
         ui.label("to");
-        if ui.add(DragValue::new(&mut last).range(first..=100_000).speed(0.2)).accessible("Last of the shot").changed()
-        {
-            session.set_shot("Change frames", &["frames", "last"], &Setting::Whole(i64::from(last)), Some("frames"));
+        is_changed |= ui.add(whole(&mut last, first..=100_000)).accessible("Last of the shot").changed();
+        if is_changed {
+            session.set_frames([first, last]);
         }
     });
     ui.end_row();

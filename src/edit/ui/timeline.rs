@@ -161,11 +161,11 @@ impl Timeline {
     fn pen(&mut self, session: &mut Session, scale: FrameScale, (pen, rows): (Pen, &[(Rect, Row)])) {
         match pen {
             Pen::Away => {}
-            Pen::Key(at) => self.moved = Some((scale.frame(at.x), 0)),
+            Pen::Key(at) => (self.moved, self.boxed) = (Some((scale.frame(at.x), 0)), None),
             Pen::Empty(at) => {
                 session.selection.keys.clear();
                 session.go(scale.frame(at.x).round() as i32);
-                self.boxed = Some([at, at]);
+                (self.moved, self.boxed) = (None, Some([at, at]));
             }
             Pen::Dragged(at) => {
                 if let Some((from, by)) = &mut self.moved {

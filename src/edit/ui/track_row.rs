@@ -51,7 +51,7 @@ pub(super) enum Pen {
     Empty(Pos2),
     /// It is dragged, and is here.
     Dragged(Pos2),
-    /// A drag ended.
+    /// A drag or a click ended.
     Up,
 }
 
@@ -151,7 +151,7 @@ fn keyboard(ui: &Ui, session: &mut Session, response: &Response, row: &Row) -> i
 
 fn pen(ui: &Ui, session: &mut Session, (response, names): (&Response, Rect), (row, scale): (&Row, FrameScale)) -> Pen {
     let (pressed, adds) = ui.input(|input| (input.pointer.primary_pressed(), input.modifiers.shift));
-    if response.drag_stopped() {
+    if response.drag_stopped() || response.clicked() && !pressed {
         return Pen::Up;
     }
     let Some(at) = response.interact_pointer_pos() else { return Pen::Away };

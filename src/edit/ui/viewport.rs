@@ -5,6 +5,7 @@
 use super::brush;
 use super::keys::is_held;
 use super::marks::{Over, RING};
+use super::onion;
 use super::references;
 use super::theme;
 use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
@@ -36,11 +37,13 @@ pub(super) struct Textures {
 }
 
 fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> TextureHandle {
-    ctx.load_texture(name, image_of(picture), TextureOptions::LINEAR)
+    ctx.load_texture(name, image_of(ctx, picture), TextureOptions::LINEAR)
 }
 
-fn image_of(picture: &Picture) -> ColorImage {
-    ColorImage::from_rgba_premultiplied(picture.size, &picture.rgba)
+/// Returns a picture in the largest size that the graphics card can hold.
+fn image_of(ctx: &egui::Context, picture: &Picture) -> ColorImage {
+    let (size, rgba) = picture.within(ctx.input(|input| input.max_texture_side));
+    ColorImage::from_rgba_premultiplied(size, &rgba)
 }
 
 impl Textures {
@@ -48,7 +51,7 @@ impl Textures {
         match self.seen.get_mut(&name) {
             Some((known, texture)) if Arc::ptr_eq(known, picture) => texture.id(),
             Some((known, texture)) => {
-                texture.set(image_of(picture), TextureOptions::LINEAR);
+                texture.set(image_of(ctx, picture), TextureOptions::LINEAR);
                 *known = Arc::clone(picture);
                 texture.id()
             }
@@ -89,12 +92,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
         ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, own));
     }
     session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
-    let before = is_held(ui.ctx(), shortcuts, Action::Before);
-    match (before, session.shown.wipe) {
-        (true, Wipe::Off) => session.set_wipe(Wipe::Before),
-        (false, Wipe::Before) => session.set_wipe(Wipe::Off),
-        _ => {}
-    }
+    session.show_before(is_held(ui.ctx(), shortcuts, Action::Before));
     zoom_and_pan(ui, (&response, rect), session, &lens);
     pen(ui, (&response, rect), (session, &lens), shortcuts);
     let lens = session.zoom.lens(session.shot().size, lens.viewport);
@@ -142,9 +140,14 @@ fn pen(
     let reach = f64::from(REACH) / height;
     let (pressed, released, position, modifiers) = ui.input(|input| {
         let pointer = &input.pointer;
-        (pointer.primary_pressed(), pointer.primary_released(), pointer.latest_pos(), input.modifiers)
+        (pointer.primary_pressed(), pointer.primary_released(), pointer.interact_pos(), input.modifiers)
     });
-    let Some(at) = position.map(place) else { return };
+    let Some(at) = position.map(place) else {
+        if released {
+            session.release();
+        }
+        return;
+    };
     if pressed && response.contains_pointer() {
         response.request_focus();
         let is_down = |action: Action| is_held(ui.ctx(), shortcuts, action);
@@ -206,12 +209,17 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     painter.rect_filled(frame, 0, theme::backdrop(ui.visuals()));
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     let draw = |id: egui::TextureId, tint: Color32| _ = painter.image(id, frame, whole, tint);
-    let onions = onions(session);
-    for (picture, color) in &onions {
-        draw(textures.of_frame(ui.ctx(), picture), *color);
+    let references = references::laid(session, frame, &lens);
+    let onions = onion::onions(session);
+    let draw_onions = |textures: &mut Textures| {
+        onions.iter().for_each(|(picture, color)| draw(textures.of_frame(ui.ctx(), picture), *color));
+    };
+    // An opaque frame, such as a plate, would hide what lies behind it.
+    let is_opaque = session.picture().is_some_and(|picture| picture.is_opaque());
+    if !is_opaque {
+        draw_onions(textures);
     }
     let seen: Vec<i32> = onions.iter().map(|(picture, _)| picture.frame).collect();
-    let references = references::laid(session, frame, &lens);
     textures.keep(&seen, references.len());
     let draw_references = |textures: &mut Textures, is_above: bool| {
         for (place, laid) in references.iter().enumerate() {
@@ -221,14 +229,19 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
         }
     };
     draw_references(textures, false);
-    let is_before = session.shown.wipe == Wipe::Before;
+    let is_before = session.shown.is_before;
     if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
         draw(textures.of(ui.ctx(), Seen::Frame, picture), Color32::WHITE);
     }
+    if is_opaque {
+        draw_onions(textures);
+    }
     draw_references(textures, true);
-    let Some(before) = session.before().filter(|_| session.shown.wipe != Wipe::Off) else { return };
+    let wipe = session.shown.wipe;
+    let Some(before) = session.before().filter(|_| is_before || wipe != Wipe::Off) else { return };
     let id = textures.of(ui.ctx(), Seen::Before, before);
-    match session.shown.wipe {
+    match wipe {
+        _ if is_before => draw(id, Color32::WHITE),
         Wipe::At(share) => {
             let x = frame.left() + share * frame.width();
             let left = Rect::from_min_max(frame.min, egui::pos2(x, frame.bottom()));
@@ -246,43 +259,7 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
             painter.text(egui::pos2(x + 8.0, frame.top() + 8.0), Align2::LEFT_TOP, "after", font, Color32::WHITE);
         }
         Wipe::Ghost(opacity) => draw(id, Color32::WHITE.gamma_multiply(opacity)),
-        Wipe::Before | Wipe::Off => draw(id, Color32::WHITE),
-    }
-}
-
-/// Returns the onion skins, the farthest first, each with its tint.
-fn onions(session: &Session) -> Vec<(&Arc<Picture>, Color32)> {
-    let onion = session.shown.onion;
-    if onion.count == 0 || session.playhead.is_playing() {
-        return Vec::new();
-    }
-    let here = session.playhead.frame();
-    let mut found = Vec::new();
-    for far in (1..=onion.count as i32).rev() {
-        for side in [-1, 1] {
-            let Some(frame) = onion_frame(session, here, far * side) else { continue };
-            let [red, green, blue] = onion.tints[usize::from(side > 0)];
-            let color = Color32::from_rgb(red, green, blue);
-            let opacity = onion.opacity / far as f32;
-            found.extend(session.picture_of(frame).map(|picture| (picture, color.gamma_multiply(opacity))));
-        }
-    }
-    found
-}
-
-/// Returns the frame a number of steps, or of keys, away.
-fn onion_frame(session: &Session, here: i32, steps: i32) -> Option<i32> {
-    if session.shown.onion.every > 0 {
-        return Some(here + steps * session.shown.onion.every as i32);
-    }
-    let shot = session.shot();
-    let pins = session.selection.pins.iter().filter_map(|[layer, pin]| shot.layers.get(*layer)?.pins.get(*pin));
-    let mut times: Vec<i32> = pins.flat_map(|pin| pin.keys.iter().map(|key| key.frame.round() as i32)).collect();
-    times.sort_unstable();
-    times.dedup();
-    match steps > 0 {
-        true => times.iter().filter(|time| **time > here).nth(steps as usize - 1).copied(),
-        false => times.iter().rev().filter(|time| **time < here).nth(steps.unsigned_abs() as usize - 1).copied(),
+        Wipe::Off => {}
     }
 }
 
@@ -291,10 +268,11 @@ fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
     use crate::edit::Quality;
     let painter = ui.painter_at(rect);
     let here = session.playhead.frame();
+    let rendered = if session.has_silent_layers() { "as rendered, but layers are muted" } else { "as rendered" };
     let quality = match (session.picture(), session.progress()) {
         _ if session.is_dragging() => "provisional".to_owned(),
         (_, Some(part)) => format!("solving over time: {:.0} %", 100.0 * part),
-        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => "as rendered".to_owned(),
+        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => rendered.to_owned(),
         (Some(picture), _) if picture.frame == here && picture.quality == Quality::Draft => "draft".to_owned(),
         (Some(_), _) => "provisional".to_owned(),
         (None, _) => "loading".to_owned(),

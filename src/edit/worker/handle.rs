@@ -4,16 +4,18 @@ use super::frame_worker::FrameWorker;
 use super::mail::{Inbox, Job, Question, Queue, Reply, ReplySender};
 use crate::raster::DeviceChoice;
 use crate::scene::Scene;
+use std::panic::AssertUnwindSafe;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, PoisonError};
+use std::thread::JoinHandle;
 
 /// The window's handle to the worker thread.
 #[derive(Debug)]
 pub(in crate::edit) struct Worker {
     inbox: Arc<Inbox>,
     replies: Receiver<Reply>,
-    thread: Option<std::thread::JoinHandle<()>>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Worker {
@@ -25,7 +27,17 @@ impl Worker {
     ) -> Self {
         let (inbox, (reply, replies)) = (Arc::new(Inbox::default()), channel());
         let own = Arc::clone(&inbox);
-        let work = move || FrameWorker::new(device, scene).run(&own, &ReplySender { reply, wake: Box::new(wake) });
+        let work = move || {
+            let (sender, mut scene) = (ReplySender { reply, wake: Box::new(wake) }, scene);
+            // After a panic the next job begins anew.
+            while std::panic::catch_unwind(AssertUnwindSafe(|| {
+                FrameWorker::new(device.clone(), scene.take()).run(&own, &sender);
+            }))
+            .is_err()
+            {
+                sender.send(Reply::Failed("The frame cannot be drawn: internal error. Undo may help.".into()));
+            }
+        };
         let thread = std::thread::Builder::new().name("edit: frames".into()).spawn(work);
         if let Err(error) = &thread {
             tracing::error!("no thread can be started: {error}");
@@ -57,6 +69,18 @@ impl Worker {
     #[must_use]
     pub(in crate::edit) fn wait(&self, longest: std::time::Duration) -> Option<Reply> {
         self.replies.recv_timeout(longest).ok()
+    }
+
+    /// Returns whether the thread has ended, or was never started.
+    #[must_use]
+    pub(in crate::edit) fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Ends the thread.
+    #[cfg(test)]
+    pub(in crate::edit) fn end(&self) {
+        self.interrupt(|queue| queue.is_over = true);
     }
 
     /// Modifies the queue, and interrupts work in progress.

@@ -7,6 +7,7 @@ mod filter;
 mod layer;
 mod paths;
 mod pin;
+mod rename;
 mod setting;
 mod stroke;
 mod text;
@@ -15,7 +16,9 @@ pub use block::pin_block;
 pub use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 pub(crate) use paths::put_paths;
-pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin, rename_pin};
+pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin};
+pub(crate) use rename::rename_layer;
+pub use rename::rename_pin;
 pub use setting::{
     Setting, add_layer, layer_number, move_layer, put_layer_setting, put_pin_setting, put_setting, remove_layer,
 };

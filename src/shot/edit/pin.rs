@@ -40,28 +40,6 @@ pub fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, Shot
     })
 }
 
-/// Renames a pin.
-///
-/// # Errors
-/// As [`put_keys`], and if the name is empty.
-pub fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
-    if name.trim().is_empty() {
-        return Err(fault(at.pin, "the new name is empty", "give a name"));
-    }
-    edit_layer(text, at.layer, at.pin, |layer| {
-        let pins = layer.get_mut("pin").ok_or_else(|| missing(at.pin))?;
-        let pin = find(pins, Some(at.pin), "pin").map_err(|(what, hint)| fault(at.pin, &what, &hint))?;
-        replace(pin, "name", name.into());
-        // Pins that follow it keep following it.
-        for pin in tables(pins).unwrap_or_default() {
-            if pin.get("mirror").and_then(Item::as_str) == Some(at.pin) {
-                replace(pin, "mirror", name.into());
-            }
-        }
-        Ok(())
-    })
-}
-
 /// Sets the region that a pin carries; `None`: only its point.
 ///
 /// # Errors
@@ -126,7 +104,7 @@ pub fn put_handle(text: &str, layer: &str, index: &[usize], keys: &[HandleKey]) 
     })
 }
 
-fn missing(name: &str) -> ShotError {
+pub(super) fn missing(name: &str) -> ShotError {
     fault(name, "it is not in the file, or not written as a list of tables", "reload the file")
 }
 
