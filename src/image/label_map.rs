@@ -43,7 +43,7 @@ impl LabelMap {
 }
 
 /// Returns the pixels left, right, above and below a pixel, where the picture has them.
-pub(super) fn neighbours([width, height]: [u32; 2], pixel: usize) -> [Option<usize>; 4] {
+pub(crate) fn neighbours([width, height]: [u32; 2], pixel: usize) -> [Option<usize>; 4] {
     let (width, height) = (width as usize, height as usize);
     let (x, y) = (pixel % width, pixel / width);
     [

@@ -68,7 +68,7 @@ pub(in crate::pipeline) fn choose(
         if is_too_fine && !is_unfit && loaded.is_none() {
             notes.push(format!(
                 "layer '{}': its lattice is plain, because it has {triangles} triangles; topology = \"branching\" in its `lattice` \
-                 gives parts that are apart handles of their own, at {} s a frame",
+                 gives parts that are apart handles of their own, at {} s a frame or more",
                 layer.name,
                 (triangles / 200_000).max(1)
             ));

@@ -4,15 +4,12 @@
 
 use super::composite_parts::{PART_CHANNELS, composite_parts};
 use super::read::{FlatPicture, plate_of};
-use crate::image::{Frame, Plate};
+use crate::image::{Frame, LabelMap, NO_LABEL, Plate, neighbours};
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::part_order::OrderedParts;
 use crate::plate::PlateReport;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
-
-/// Label of pixels without a part.
-const NONE: u32 = u32::MAX;
 
 /// Width in pixels of the rim by which a part extends under connected parts in front, so that filtered edges leave no visible seam.
 const RIM_WIDTH: usize = 3;
@@ -24,8 +21,8 @@ const SAME_PLACE: f64 = 0.5;
 pub(super) struct PartMap {
     window: PixelRect,
     frame: FrameSize,
-    /// #pixels; [`NONE`] where no part is connected to the pixel.
-    labels: Vec<u32>,
+    /// The label is one more than the index of the part; [`NO_LABEL`] where no part is connected to the pixel.
+    map: LabelMap,
 }
 
 impl PartMap {
@@ -33,16 +30,17 @@ impl PartMap {
     /// they are connected to.
     pub(super) fn of(flat_picture: &FlatPicture, branches: &BranchedLattice<2>, parts: &OrderedParts) -> Self {
         let (window, frame) = (flat_picture.window(), flat_picture.plate.frame_size());
-        let mut map = Self { window, frame, labels: vec![NONE; window.area()] };
+        let labels = LabelMap { size: [window.width, window.height], labels: vec![NO_LABEL; window.area()] };
+        let mut map = Self { window, frame, map: labels };
         for (&part, (_, corners)) in parts.of_pieces.iter().zip(branches.pieces()) {
             let corners = corners.iter().map(|&[x, y]| frame.image_from_screen(ScreenPoint::new(x, y)).0.to_array());
             map.fill(part, &corners.collect::<Vec<[f64; 2]>>());
         }
         let alpha = flat_picture.alpha();
-        map.spread(|pixel| alpha[pixel] != 0.0);
+        map.map.spread(|pixel| alpha[pixel] != 0.0);
         // Islands that are too small for the shape.
-        if (0..alpha.len()).any(|pixel| alpha[pixel] != 0.0 && map.labels[pixel] == NONE) {
-            map.spread(|_| true);
+        if (0..alpha.len()).any(|pixel| alpha[pixel] != 0.0 && map.part(pixel).is_none()) {
+            map.map.spread(|_| true);
         }
         map
     }
@@ -57,36 +55,13 @@ impl PartMap {
             let crossings =
                 (0..corners.len()).flat_map(|k| crossings([corners[k], corners[(k + 1) % corners.len()]], row as f64));
             let columns = pixels_within(crossings, width);
-            self.labels[row * width + columns.start..row * width + columns.end].fill(part);
+            self.map.labels[row * width + columns.start..row * width + columns.end].fill(part + 1);
         }
     }
 
-    /// Gives pixels without a part the part of a neighbour, ring by ring outwards.
-    fn spread(&mut self, is_reached: impl Fn(usize) -> bool) {
-        let mut ring: Vec<usize> = (0..self.labels.len()).filter(|&pixel| self.labels[pixel] != NONE).collect();
-        while !ring.is_empty() {
-            let mut next = Vec::new();
-            for pixel in ring {
-                for neighbour in self.neighbours(pixel).into_iter().flatten() {
-                    if self.labels[neighbour] == NONE && is_reached(neighbour) {
-                        self.labels[neighbour] = self.labels[pixel];
-                        next.push(neighbour);
-                    }
-                }
-            }
-            ring = next;
-        }
-    }
-
-    fn neighbours(&self, pixel: usize) -> [Option<usize>; 4] {
-        let width = self.window.width as usize;
-        let (column, row) = (pixel % width, pixel / width);
-        [
-            (column > 0).then(|| pixel - 1),
-            (column + 1 < width).then(|| pixel + 1),
-            (row > 0).then(|| pixel - width),
-            (row + 1 < self.window.height as usize).then(|| pixel + width),
-        ]
+    /// Returns the part of a pixel.
+    fn part(&self, pixel: usize) -> Option<usize> {
+        self.map.labels[pixel].checked_sub(1).map(|part| part as usize)
     }
 
     /// Returns the image of a pixel's centre under a lattice, in pixels.
@@ -99,16 +74,16 @@ impl PartMap {
 
     /// Returns the pixels of a part and its rim: those of connected parts in front of it up to [`RIM_WIDTH`] pixels away.
     fn mask(&self, part: usize, lattices: &[&ScreenLattice]) -> Vec<bool> {
-        let mut mask: Vec<bool> = self.labels.iter().map(|&label| label == part as u32).collect();
-        let mut ring: Vec<usize> = (0..mask.len()).filter(|&pixel| mask[pixel]).collect();
+        let mut ring: Vec<usize> = (0..self.window.area()).filter(|&pixel| self.part(pixel) == Some(part)).collect();
+        let mut mask = vec![false; self.window.area()];
+        ring.iter().for_each(|&pixel| mask[pixel] = true);
         for _ in 0..RIM_WIDTH {
             let mut next = Vec::new();
-            for neighbour in ring.iter().flat_map(|&pixel| self.neighbours(pixel)).flatten() {
-                let label = self.labels[neighbour];
-                if mask[neighbour] || label == NONE || label as usize <= part {
+            for neighbour in ring.iter().flat_map(|&pixel| neighbours(self.map.size, pixel)).flatten() {
+                let Some(in_front) = self.part(neighbour).filter(|&other| other > part && !mask[neighbour]) else {
                     continue;
-                }
-                let [own, other] = [part, label as usize].map(|index| self.image(lattices[index], neighbour));
+                };
+                let [own, other] = [part, in_front].map(|index| self.image(lattices[index], neighbour));
                 if (own[0] - other[0]).hypot(own[1] - other[1]) <= SAME_PLACE {
                     mask[neighbour] = true;
                     next.push(neighbour);
@@ -180,7 +155,7 @@ fn cut_out(flat_picture: &FlatPicture, map: &PartMap, (part, mask): (usize, &[bo
     let cut =
         |sample: &dyn Fn(usize) -> f32| pixels().map(|pixel| if mask[pixel] { sample(pixel) } else { 0.0 }).collect();
     let alpha = flat_picture.alpha();
-    let is_own = |pixel: usize| map.labels[pixel] == part as u32;
+    let is_own = |pixel: usize| map.part(pixel) == Some(part);
     let region = |pixel: usize| if is_own(pixel) && alpha[pixel] != 0.0 { 1.0 } else { 0.0 };
     let rim = |pixel: usize| if is_own(pixel) { 0.0 } else { alpha[pixel] };
     let colors = flat_picture.planes().map(|samples| cut(&|pixel| samples[pixel]));

@@ -9,8 +9,11 @@ use crate::pipeline::{PinAnchor, PreparedShot};
 use crate::shot::{LayerSpace, Source};
 use std::sync::PoisonError;
 
-/// Number of spans across a thin part, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
-const SPANS_ACROSS: f64 = 2.5;
+/// Number of spans across a thin part of a picture, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
+const SPANS_ACROSS_PICTURE: f64 = 5.5;
+
+/// Number of spans across a thin part of a scene, of which every frame costs more.
+const SPANS_ACROSS_SCENE: f64 = 2.5;
 
 /// Number of spans between two neighbouring pins, so that they do not share all of their handles.
 const SPANS_BETWEEN_PINS: f64 = 2.0;
@@ -68,7 +71,9 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     let Slenderness::Seen(thickness) = slenderness(prepared, index) else {
         return coarsest("for nothing is seen of it");
     };
-    let thin = thickness.map(|thickness| thickness / SPANS_ACROSS);
+    let is_scene = matches!(prepared.shot.source, Source::Scene(_));
+    let spans_across = if is_scene { SPANS_ACROSS_SCENE } else { SPANS_ACROSS_PICTURE };
+    let thin = thickness.map(|thickness| thickness / spans_across);
     let frame = f64::from(prepared.shot.reference_frame());
     let sides = box_sides(prepared, index, frame);
     let nearest = nearest_pins(prepared, index, frame);
@@ -86,10 +91,7 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
         sides.map(|side| (spans(side) + ends).clamp(HANDLES[0], HANDLES[1]))
     };
     let wanted = dims_for(span);
-    let widest = match prepared.shot.source {
-        Source::Scene(_) => PADDING / (SCENE_HANDLES - ends) as f64,
-        Source::Images(_) | Source::Frame => 0.0,
-    };
+    let widest = if is_scene { PADDING / (SCENE_HANDLES - ends) as f64 } else { 0.0 };
     let dims = dims_for(span.max(widest));
     Choice { dims, why, wanted: (dims != wanted).then_some(wanted) }
 }

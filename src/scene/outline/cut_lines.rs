@@ -2,7 +2,7 @@
 //!
 //! In: a triangulation in the plane and polylines. Out: a triangulation of the same area that has the polylines as edges.
 
-use super::mesh::{Triangulated, packed};
+use super::mesh::{Triangulated, divided, is_well_inside, packed};
 use super::simplify::{distance_to_segment, simplified_line};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,11 +50,11 @@ pub(in crate::scene) fn cut_along(mesh: &Triangulated, lines: &[Vec<[f64; 2]>], 
         }
     }
     let places: Vec<[f64; 2]> = net.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
-    let segments: Vec<[[f64; 2]; 2]> = rim.iter().map(|ends| ends.map(|end| mesh.points[end])).collect();
+    let segments: Vec<_> = rim.iter().map(|&[from, to]| (mesh.points[from], mesh.points[to])).collect();
     let faces = net.inner_faces().map(|face| face.vertices().map(|corner| corner.index()));
     let is_inside = |corners: &[usize; 3]| {
         let middle = [0, 1].map(|axis| corners.iter().map(|&corner| places[corner][axis]).sum::<f64>() / 3.0);
-        is_inside(&segments, middle)
+        is_well_inside(&segments, middle, 0.0)
     };
     packed(&places, faces.filter(is_inside).collect())
 }
@@ -82,16 +82,6 @@ fn extent(line: &[[f64; 2]]) -> f64 {
     along(0).max(along(1))
 }
 
-/// Splits segments into equal pieces of at most `spacing`.
-fn divided(line: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
-    let pieces = |pair: &[[f64; 2]]| {
-        let [[ax, ay], [bx, by]] = [pair[0], pair[1]];
-        let count = ((bx - ax).hypot(by - ay) / spacing).ceil().max(1.0);
-        (1..=count as usize).map(move |k| [ax + (bx - ax) * k as f64 / count, ay + (by - ay) * k as f64 / count])
-    };
-    line.first().copied().into_iter().chain(line.windows(2).flat_map(pieces)).collect()
-}
-
 /// The side of an equilateral triangle of mean area.
 fn mean_edge(mesh: &Triangulated) -> f64 {
     let area = |corners: &[u32; 3]| {
@@ -112,11 +102,4 @@ fn rim(mesh: &Triangulated) -> Vec<[usize; 2]> {
         }
     }
     counts.into_iter().filter(|&(_, count)| count == 1).map(|(ends, _)| ends).collect()
-}
-
-/// Whether a point lies inside closed outlines, by the even-odd rule.
-fn is_inside(segments: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
-    let crosses =
-        |[a, b]: &&[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-    segments.iter().filter(crosses).count() % 2 == 1
 }

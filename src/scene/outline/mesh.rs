@@ -31,7 +31,7 @@ pub(in crate::scene) struct Triangulated {
 
 /// Triangulates the points inside an odd number of outlines; `None` if outlines cross.
 pub(super) fn triangulate(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Option<Triangulated> {
-    let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|points| divided(points, spacing)).collect();
+    let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|points| divided_loop(points, spacing)).collect();
     let mut points = Vec::new();
     let mut edges = Vec::new();
     for outline in &outlines {
@@ -61,16 +61,24 @@ pub(super) fn triangulate(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Option<Tr
     Some(packed(&places, triangles))
 }
 
-/// Splits long segments into equal pieces of at most `spacing`.
-fn divided(points: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
-    let pieces = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| {
+/// Splits the long segments of an outline as [`divided`] does.
+fn divided_loop(points: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
+    let mut divided = divided(&[points, &points[..1]].concat(), spacing);
+    divided.pop();
+    divided
+}
+
+/// Splits the long segments of a line into equal pieces of at most `spacing`.
+pub(super) fn divided(line: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
+    let pieces = |pair: &[[f64; 2]]| {
+        let [[ax, ay], [bx, by]] = [pair[0], pair[1]];
         let count = ((bx - ax).hypot(by - ay) / spacing).ceil().max(1.0);
         (0..count as usize).map(move |k| {
             let share = k as f64 / count;
             [ax + (bx - ax) * share, ay + (by - ay) * share]
         })
     };
-    pairs(points).flat_map(pieces).collect()
+    line.windows(2).flat_map(pieces).chain(line.last().copied()).collect()
 }
 
 /// Returns the points of a triangular lattice inside the outlines, with clearance.
@@ -95,8 +103,8 @@ fn inner_points(outlines: &[Vec<[f64; 2]>], spacing: f64) -> Vec<Point2<f64>> {
     points
 }
 
-/// Returns whether a point is inside by the even-odd rule, with no segment nearer than `clearance`.
-fn is_well_inside(segments: &[([f64; 2], [f64; 2])], at: [f64; 2], clearance: f64) -> bool {
+/// Whether a point is inside by the even-odd rule, with no segment nearer than `clearance`.
+pub(super) fn is_well_inside(segments: &[([f64; 2], [f64; 2])], at: [f64; 2], clearance: f64) -> bool {
     let mut is_inside = false;
     for &(a, b) in segments {
         if distance_to_segment(at, a, b) < clearance {

@@ -11,7 +11,7 @@ use crate::solve::least_squares::LeastSquaresRows;
 use crate::solve::linalg::small_matrix::distance;
 use crate::solve::problem::PointPin;
 use crate::solve::stiffness::region_stiffness;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BinaryHeap};
 
 /// A pin and the piece of the shape that it holds.
 #[derive(Debug)]
@@ -142,15 +142,19 @@ impl<const D: usize> Branching<D> {
     /// `leads_on` is true.
     fn nearness(&self, piece: usize, leads_on: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut nearness = vec![0.0; self.pieces.list.len()];
-        let mut waiting = vec![(piece, 1.0_f64)];
-        while let Some((number, near)) = waiting.pop() {
+        // Widest first, so that every piece is reached once. The bits of positive numbers are ordered as they are.
+        let mut waiting = BinaryHeap::from([(1.0_f64.to_bits(), piece)]);
+        while let Some((near, number)) = waiting.pop() {
+            let near = f64::from_bits(near);
             if near <= nearness[number] {
                 continue;
             }
             nearness[number] = near;
             if number == piece || leads_on(number) {
                 let adjacent = self.pieces.adjacent_pieces[number].iter();
-                waiting.extend(adjacent.map(|(next, copies)| (*next, near.min(self.coupling_degree(copies)))));
+                let adjacent = adjacent.filter(|(next, _)| nearness[*next] < near);
+                waiting
+                    .extend(adjacent.map(|(next, copies)| (near.min(self.coupling_degree(copies)).to_bits(), *next)));
             }
         }
         nearness

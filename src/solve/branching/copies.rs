@@ -10,8 +10,13 @@ use super::disjoint_sets::DisjointSets;
 use super::support_box::{SupportBox, cells_between};
 use super::tie_nodes::{Role, TieNodes};
 use crate::lattice::Grid;
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+
+/// Largest number of copies of one handle. With more pieces in a support (grass, loose triangles) the largest have copies of their own, and all
+/// others share one, as on a plain lattice: time and memory grow with the square of this number.
+const MAX_COPIES: usize = 48;
 
 /// Two copies of one handle whose pieces become connected when the support of the handle grows.
 #[derive(Clone, Copy, Debug)]
@@ -96,19 +101,21 @@ impl<const D: usize> Finder<'_, D> {
         if inside.parts.is_empty() {
             return;
         }
-        let mut first_of_root = BTreeMap::new();
+        let mut pieces: BTreeMap<usize, Piece> = BTreeMap::new();
         for (&part, &root) in inside.parts.iter().zip(&inside.roots) {
             let triangle = self.parts.first_triangle(part as usize);
-            first_of_root.entry(root).and_modify(|first: &mut usize| *first = triangle.min(*first)).or_insert(triangle);
+            let piece = pieces.entry(root).or_insert(Piece { first_triangle: triangle, root, part_count: 0 });
+            piece.first_triangle = piece.first_triangle.min(triangle);
+            piece.part_count += 1;
         }
-        let mut roots: Vec<(usize, usize)> = first_of_root.into_iter().map(|(root, first)| (first, root)).collect();
-        roots.sort_unstable();
+        let mut pieces: Vec<Piece> = pieces.into_values().collect();
+        let small = split_off_small(&mut pieces);
         let first = copies.handles.len();
         let mut copy_of_root = vec![usize::MAX; inside.parts.len()];
-        for (triangle, root) in roots {
-            copy_of_root[root] = copies.handles.len();
+        for pieces in pieces.chunks(1).chain((!small.is_empty()).then_some(&small[..])) {
+            pieces.iter().for_each(|piece| copy_of_root[piece.root] = copies.handles.len());
             copies.handles.push(handle);
-            copies.first_triangles.push(triangle);
+            copies.first_triangles.push(pieces[0].first_triangle);
         }
         for &cell in &cells {
             let slot = slot_in_cell(self.grid, width, cell, handle);
@@ -192,6 +199,28 @@ impl<const D: usize> Finder<'_, D> {
         self.nodes.clear(&around.parts);
         ties
     }
+}
+
+/// A connected piece of the shape in a support.
+struct Piece {
+    first_triangle: usize,
+    /// Its root among the components.
+    root: usize,
+    /// Number of its parts of cells.
+    part_count: usize,
+}
+
+/// Sorts pieces by first triangle. With more than [`MAX_COPIES`] the smallest are taken out and returned.
+fn split_off_small(pieces: &mut Vec<Piece>) -> Vec<Piece> {
+    let mut small = Vec::new();
+    if pieces.len() > MAX_COPIES {
+        pieces.sort_unstable_by_key(|piece| (Reverse(piece.part_count), piece.first_triangle));
+        small = pieces.split_off(MAX_COPIES - 1);
+    }
+    for pieces in [pieces, &mut small] {
+        pieces.sort_unstable_by_key(|piece| piece.first_triangle);
+    }
+    small
 }
 
 /// Position of a handle among those of a cell.

@@ -19,6 +19,7 @@ mod copies;
 mod cuts;
 mod disjoint_sets;
 mod inner_width;
+mod islands;
 mod link;
 mod nearest_point;
 mod pieces;

@@ -4,6 +4,7 @@
 //! In: points and triangles at rest, 2D or 3D. Out: [`Link`]s.
 
 use super::disjoint_sets::DisjointSets;
+use super::islands::Islands;
 use super::link::{Link, LinkEnd, LinkKind};
 use super::nearest_point::nearest_barycentric;
 use crate::solve::linalg::small_matrix::distance;
@@ -94,23 +95,20 @@ pub(crate) fn nearest_link<const D: usize>(
 
 /// Links every island to the one with the nearest corner, repeatedly, until all are connected (O. Borůvka, 1926) or farther apart
 /// than `radius`.
-fn bridges<const D: usize>(shape: &Shape<D>, mut islands: DisjointSets, radius: f64) -> Vec<Link> {
+fn bridges<const D: usize>(shape: &Shape<D>, mut sets: DisjointSets, radius: f64) -> Vec<Link> {
     let mut bridges = Vec::new();
-    let corners = shape.triangles.iter().flatten().enumerate();
-    let corners = corners.map(|(number, &vertex)| Corner::new(shape.points[vertex as usize], number));
-    let tree = RTree::bulk_load(corners.collect());
+    let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| sets.root(triangle)).collect();
+    let islands = Islands::of(shape, &roots);
     for _ in 0..ROUNDS {
-        let roots: Vec<usize> = (0..shape.triangles.len()).map(|triangle| islands.root(triangle)).collect();
-        let mut found = nearest_islands(shape, &tree, &roots);
-        found.retain(|(square, _)| *square <= radius * radius);
+        let found = islands.shortest_gaps(radius, |triangle| sets.root(triangle));
         if found.is_empty() {
             break;
         }
         for (_, [from, to]) in found {
             let ends = [from, to].map(|corner| LinkEnd::corner(corner / 3, corner % 3));
             let pair = ends.map(|end| end.triangle as usize);
-            if islands.root(pair[0]) != islands.root(pair[1]) {
-                islands.join(pair);
+            if sets.root(pair[0]) != sets.root(pair[1]) {
+                sets.join(pair);
                 bridges.push(Link { ends, kind: LinkKind::Across });
             }
         }
@@ -164,33 +162,6 @@ fn contacts<const D: usize>(shape: &Shape<D>, roots: &[usize], bridges: &[Link])
             }
         }
     }
-    found
-}
-
-/// The shortest connection from every island but the largest to another island, as squared length and two corners, shortest
-/// first.
-fn nearest_islands<const D: usize>(
-    shape: &Shape<D>,
-    tree: &RTree<Corner<D>>,
-    roots: &[usize],
-) -> Vec<(f64, [usize; 2])> {
-    let mut sizes = vec![0_usize; roots.len()];
-    roots.iter().for_each(|&root| sizes[root] += 1);
-    let largest = (0..roots.len()).max_by_key(|&root| (sizes[root], std::cmp::Reverse(root)));
-    let mut best: Vec<Option<(f64, [usize; 2])>> = vec![None; roots.len()];
-    let others = (0..3 * roots.len()).filter(|corner| Some(roots[corner / 3]) != largest);
-    for corner in others {
-        let (triangle, root) = (corner / 3, roots[corner / 3]);
-        let point = shape.points[shape.triangles[triangle][corner % 3] as usize];
-        let least = best[root].map_or(f64::INFINITY, |(square, _)| square);
-        let mut around = tree.nearest_neighbor_iter_with_distance_2(point);
-        let near = around.find(|(other, square)| *square >= least || roots[other.data / 3] != root);
-        if let Some((other, square)) = near.filter(|(_, square)| *square < least) {
-            best[root] = Some((square, [corner, other.data]));
-        }
-    }
-    let mut found: Vec<(f64, [usize; 2])> = best.into_iter().flatten().collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     found
 }
 

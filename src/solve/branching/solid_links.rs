@@ -2,7 +2,8 @@
 //! sleeve goes along with its arm everywhere.
 //!
 //! In: a surface at rest in 3D, the distance between links. Out: [`Link`]s from points of each triangle, along the inward normal, to the
-//! opposite side, or to another island close below. Open surfaces with nothing below have no such links.
+//! opposite side, or to another island close below. Open surfaces with nothing below have no such links; solids whose triangles all face
+//! inwards are read as if they faced outwards.
 
 use super::disjoint_sets::DisjointSets;
 use super::link::{Link, LinkEnd, LinkKind};
@@ -10,6 +11,7 @@ use super::ray::Ray;
 use crate::solve::linalg::small_matrix::{distance, dot, minus};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
+use std::collections::BTreeMap;
 
 /// Largest number of points along a side of a triangle.
 const MAX_POINTS: usize = 16;
@@ -23,6 +25,9 @@ const OFF_SURFACE: f64 = 1e-7;
 /// Largest distance of a cover (clothes, hair, a shadow) from what it covers, as a fraction of the diagonal.
 const COVER: f64 = 0.03;
 
+/// An island is open if the sum of its triangles' normals, which is 0 for a closed surface, is longer than this fraction of its area.
+const OPEN: f64 = 0.2;
+
 /// The bounding box of a triangle, with the index of the triangle.
 type Boxed = GeomWithData<Rectangle<[f64; 3]>, usize>;
 
@@ -35,7 +40,8 @@ pub(crate) fn solid_links(
     pitch: f64,
     islands: Option<&[usize]>,
 ) -> Vec<Link> {
-    let surface = Surface::of(points, triangles);
+    let is_turned = turned_inside_out(points, triangles, islands);
+    let surface = Surface::of(points, triangles, &is_turned);
     let pitch = pitch * surface.diagonal;
     let count = |corners: &[[f64; 3]; 3]| {
         let longest = (0..3).map(|k| distance(&corners[k], &corners[(k + 1) % 3])).fold(0.0, f64::max);
@@ -51,7 +57,39 @@ pub(crate) fn solid_links(
             links.extend(end.map(|end| Link { ends: [start, end], kind: LinkKind::Across }));
         }
     }
+    for end in links.iter_mut().flat_map(|link| &mut link.ends).filter(|end| is_turned[end.triangle as usize]) {
+        end.barycentric.swap(1, 2);
+    }
     links
+}
+
+/// #triangles: whether the triangle belongs to a closed island of negative volume.
+fn turned_inside_out(points: &[[f64; 3]], triangles: &[[u32; 3]], islands: Option<&[usize]>) -> Vec<bool> {
+    let island = |triangle: usize| islands.map_or(0, |islands| islands[triangle]);
+    let mut sums: BTreeMap<usize, Sums> = BTreeMap::new();
+    for (number, corners) in triangles.iter().enumerate() {
+        let corners = corners.map(|corner| points[corner as usize]);
+        let doubled = normal(&corners);
+        let sums = sums.entry(island(number)).or_insert_with(|| Sums { origin: corners[0], ..Sums::default() });
+        sums.area += dot(&doubled, &doubled).sqrt();
+        sums.volume += dot(&doubled, &minus(&corners[0], &sums.origin));
+        (0..3).for_each(|axis| sums.normal[axis] += doubled[axis]);
+    }
+    let is_turned = |sums: &Sums| sums.volume < 0.0 && dot(&sums.normal, &sums.normal).sqrt() <= OPEN * sums.area;
+    (0..triangles.len()).map(|triangle| is_turned(&sums[&island(triangle)])).collect()
+}
+
+/// Sums over the triangles of an island.
+#[derive(Default)]
+struct Sums {
+    /// A point of the island, near which volumes lose no digits.
+    origin: [f64; 3],
+    /// Twice the area.
+    area: f64,
+    /// Six times the volume of the cone from the origin.
+    volume: f64,
+    /// Twice the area, as a vector.
+    normal: [f64; 3],
 }
 
 /// The island of each triangle: the number of one of the triangles with which it hangs together along the surface.
@@ -87,9 +125,13 @@ struct Surface {
 }
 
 impl Surface {
-    fn of(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
-        let corners: Vec<[[f64; 3]; 3]> =
-            triangles.iter().map(|corners| corners.map(|corner| points[corner as usize])).collect();
+    /// Collects the triangles. `is_turned`: those whose corners are listed in reverse order, #triangles.
+    fn of(points: &[[f64; 3]], triangles: &[[u32; 3]], is_turned: &[bool]) -> Self {
+        let outwards = |(corners, is_turned): (&[u32; 3], &bool)| {
+            let [a, b, c] = corners.map(|corner| points[corner as usize]);
+            if *is_turned { [a, c, b] } else { [a, b, c] }
+        };
+        let corners: Vec<[[f64; 3]; 3]> = triangles.iter().zip(is_turned).map(outwards).collect();
         let bounds = AABB::from_points(corners.as_flattened().iter());
         let diagonal = if corners.is_empty() { 0.0 } else { distance(&bounds.upper(), &bounds.lower()) };
         let boxed = corners.iter().enumerate().map(|(number, corners)| {
@@ -181,7 +223,14 @@ mod tests {
         }
         assert!(solid_links(&points, &triangles[..2], PITCH, None).is_empty());
         let inside_out: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-        assert!(solid_links(&points, &inside_out, PITCH, None).is_empty(), "outwards there is nothing");
+        let turned = solid_links(&points, &inside_out, PITCH, None);
+        assert_eq!(turned.len(), links.len());
+        for (link, turned) in links.iter().zip(&turned) {
+            let [own, other] = [(link, &triangles), (turned, &inside_out)]
+                .map(|(link, triangles)| link.ends.map(|end| end.point(&points, triangles)));
+            let gaps = own.iter().zip(&other).map(|(own, other)| distance(own, other));
+            assert!(gaps.into_iter().all(|gap| gap < 1e-6), "{own:?} and {other:?}");
+        }
     }
 
     #[test]
