@@ -23,6 +23,7 @@ mod inner_width;
 mod link;
 mod nearest_point;
 mod pieces;
+mod pin_coupling;
 mod ray;
 mod rest_links;
 mod row_shares;
