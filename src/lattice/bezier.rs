@@ -110,6 +110,11 @@ impl<const D: usize> BezierPolynomial<D> {
         is_number.then(|| self.coefficients.iter().fold(f64::INFINITY, |least, &c| least.min(c)))
     }
 
+    /// Returns an upper bound of the values in the cell.
+    pub(super) fn upper_bound(&self) -> f64 {
+        self.coefficients.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// Returns the smallest value at the corners of the cell, where coefficients equal values.
     pub(super) fn min_corner(&self) -> f64 {
         let corner = |number: usize| {
@@ -150,7 +155,7 @@ mod tests {
         for at in [[0.0, 0.0], [0.3, 0.8], [0.5, 0.5], [1.0, 0.2]] {
             let expected = value(&a, at) * value(&b, at) - value(&c, at) * value(&d, at);
             assert!((value(&sum, at) - expected).abs() < 1e-13);
-            assert!(sum.bound().is_some_and(|bound| bound <= expected));
+            assert!(sum.bound().is_some_and(|bound| bound <= expected) && sum.upper_bound() >= expected);
             let [below, above] = sum.halves(1);
             assert!((value(&below, at) - value(&sum, [at[0], 0.5 * at[1]])).abs() < 1e-13);
             assert!((value(&above, at) - value(&sum, [at[0], 0.5 + 0.5 * at[1]])).abs() < 1e-13);

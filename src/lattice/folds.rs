@@ -13,10 +13,10 @@ use super::grid::Lattice;
 const PROBES: usize = 3;
 
 /// Bisections of a cell, alternating between its axes, after which it counts as folded because det J touches zero.
-const MAX_HALVINGS: usize = 14;
+pub(super) const MAX_HALVINGS: usize = 14;
 
 /// Accuracy of the smallest determinant.
-const PRECISION: f64 = 1e-3;
+pub(super) const PRECISION: f64 = 1e-3;
 
 /// Folded cells (det J ≤ 0 somewhere inside). B-spline cells outside the box contain no picture and are ignored.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +123,7 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// Returns det J in a cell of a basis that is a tensor product of polynomials of this degree.
-    fn determinant(&self, cell: usize, degree: usize) -> BezierPolynomial<D> {
+    pub(super) fn determinant(&self, cell: usize, degree: usize) -> BezierPolynomial<D> {
         let coordinates: [BezierPolynomial<D>; D] = std::array::from_fn(|d| self.coordinate(cell, degree, d));
         let gradient: [[BezierPolynomial<D>; D]; D] =
             std::array::from_fn(|row| std::array::from_fn(|axis| coordinates[row].slope(axis)));

@@ -9,6 +9,7 @@ mod display;
 mod error;
 mod fit;
 mod folds;
+mod folds_in_part;
 mod forward;
 mod grid;
 mod scene_lattice;

@@ -1,7 +1,8 @@
 //! Branching lattices over a model: legs that cross on the screen stay apart, steadily.
 
 use crate::assets::asset;
-use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample, lattices};
+use crate::support::Studio;
+use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample, lattices, report};
 use pinwarp::shot::Shot;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -268,4 +269,23 @@ fn a_leg_that_is_cut_off_by_its_joints_stays_on_the_body() {
         .map(|open| widest_gap(&fox_with_cut_leg(&scene, &format!("{{ joints = ['b_RightUpperArm*'] {open} }}"))));
     println!("the surface opens by {whole:.3} px, and by {opened:.1} px where that is wanted");
     assert!(whole < 0.01 && opened > 2.0, "{whole} {opened}");
+}
+
+#[test]
+fn folds_beside_a_drawing_are_not_reported_as_its_own() {
+    let folded = |dims: &str| {
+        let prepared = Studio::puppet(dims, "branching").prepared();
+        let sample = prepared.mid_exposure(11).expect("solvable");
+        let told = report(&prepared, 11, &sample).warnings;
+        let solution = sample.layers[0].solution.as_ref().expect("its pins act");
+        (solution.report.folded_model_cells, solution.report.min_cell_det, told)
+    };
+    let is_told = |told: &[String]| told.iter().any(|text| text.contains("the model folds over itself"));
+    for dims in ["\"auto\"", "[20, 20]"] {
+        let (cells, least, told) = folded(dims);
+        assert!(cells == 0 && least > 0.0 && !is_told(&told), "{dims}: {cells} cells, {least}, {told:?}");
+    }
+    // So few handles crush a foot.
+    let (cells, least, told) = folded("[6, 6]");
+    assert!(cells > 0 && least < -0.5 && is_told(&told), "{cells} cells, {least}, {told:?}");
 }

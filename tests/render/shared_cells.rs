@@ -41,3 +41,24 @@ fn pins_that_share_cells_are_reported_with_layer_pins_and_remedy() {
     assert_eq!(told("[8, 8]", 0.03), [""; 0], "a little is no reason");
     assert_eq!(told_of("[8, 8]", [[0.0, 0.0], [-0.08, 0.0]]), [""; 0], "one turns about the other by 180 degrees");
 }
+
+/// The same of the girl who raises her hand beside her skirt.
+fn told_of_puppet(dims: &str, topology: &str) -> Vec<String> {
+    let prepared = Studio::puppet(dims, topology).prepared();
+    let warnings = report(&prepared, 11, &prepared.mid_exposure(11).expect("it is solved")).warnings;
+    warnings.into_iter().filter(|text| text.contains("share cells")).collect()
+}
+
+#[test]
+fn pins_on_branches_that_share_their_handles_are_reported() {
+    let words = told_of_puppet("[10, 10]", "branching");
+    assert_eq!(words.len(), 1, "{words:?}");
+    assert!(words[0].starts_with("layer 'girl': pins 'right hand' and 'right hem' share cells"), "{words:?}");
+    assert!(words[0].contains("(dims = [23, 23])") && words[0].contains("(dims = \"auto\")"), "{words:?}");
+    assert!(!words[0].contains("topology"), "{words:?}");
+    for dims in ["[23, 23]", "\"auto\""] {
+        assert_eq!(told_of_puppet(dims, "branching"), [""; 0], "{dims}: the remedy helps");
+    }
+    let plain = told_of_puppet("[10, 10]", "plain");
+    assert!(plain.len() == 1 && plain[0].contains("topology = \"branching\""), "{plain:?}");
+}

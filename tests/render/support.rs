@@ -56,6 +56,16 @@ impl Studio {
         Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
+    /// The drawn girl that comes with the program, with these dims and this topology.
+    pub(crate) fn puppet(dims: &str, topology: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml");
+        let text = std::fs::read_to_string(&path).expect("it comes with the program");
+        let lattice = "dims = \"auto\", topology = \"branching\"";
+        assert!(text.contains(lattice), "{text}");
+        let text = text.replace(lattice, &format!("dims = {dims}, topology = \"{topology}\""));
+        Self::of_shot(Shot::parse(&text, &path).expect("a right shot"))
+    }
+
     /// A shot that comes with the program, or is made by the test, in a temporary folder.
     pub(crate) fn of_shot(shot: Shot) -> Self {
         Self { shot, folder: tempfile::tempdir().expect("a temporary folder") }

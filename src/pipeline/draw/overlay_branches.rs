@@ -19,7 +19,7 @@ const TINTS: [[u8; 3]; 6] =
 #[derive(Clone, Debug)]
 pub(in crate::pipeline) struct BranchPicture {
     lattice: ScreenLattice,
-    /// The cells that contain part of the shape, by column and row, and whether each folds.
+    /// The cells that contain part of the shape, by column and row, and whether the shape folds in each.
     cells: Vec<([usize; 2], bool)>,
 }
 
@@ -30,7 +30,7 @@ impl BranchPicture {
         let of_branch = |branch: usize| {
             let lattice = branches.lattice(branch);
             let own = branches.cells(branch);
-            let folded = lattice.folded_cells();
+            let folded = branches.folds_of(branch).cells;
             let is_folded = |cell: &[usize; 2]| folded.contains(&cell.map(|place| place + margin));
             let cells = own.into_iter().map(|cell| (cell, is_folded(&cell))).collect();
             Self { lattice, cells }

@@ -3,14 +3,22 @@
 //! In: a layer and its solved state. Out: a warning for the worst pair.
 
 use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
-use crate::pipeline::evaluate::part_triangle_ranges::held_triangles;
+use crate::pipeline::evaluate::part_triangle_ranges::held_triangle;
 use crate::pipeline::evaluate::topology::branching_remedy;
+use crate::pipeline::prepare::auto_dims::SCENE_HANDLES;
 use crate::pipeline::{LayerState, PinAnchor, PinState};
-use crate::shot::{Layer, LayerSpace, Shot};
-use crate::solve::SolveReport;
+use crate::shot::{Layer, LayerSpace, Shot, Source};
+use crate::solve::{BranchedLattice, SolveReport};
 
 /// Distance of two pins, in cells, below which they share most of the handles that act on them.
 const APART_CELLS: f64 = 1.0;
+
+/// The same for branching lattices, on which pins farther apart share next to nothing.
+const BRANCHING_APART_CELLS: f64 = 2.0;
+
+/// Share of the copies acting on two pins of a branching lattice that has to act on both; on the same part of the shape, pins a
+/// cell apart along one axis share about half, and along both a quarter.
+const MIN_SHARE: f64 = 0.2;
 
 /// Maximum ratio between the distances of two pins after and before the warp without a warning. The ratio ignores
 /// rotation of one pin about the other.
@@ -31,8 +39,8 @@ struct Pair<'a> {
     stretch: f64,
 }
 
-/// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; pairs reported
-/// as contradictions are left out.
+/// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; on branching lattices,
+/// cells of parts that share copies of handles. Pairs reported as contradictions are left out.
 pub(in crate::pipeline) fn warning(
     (shot, layer, anchors): (&Shot, &Layer, &[PinAnchor]),
     state: &LayerState,
@@ -41,8 +49,10 @@ pub(in crate::pipeline) fn warning(
 ) -> Option<String> {
     let LayerSpace::Screen { dims, .. } = layer.space else { return None };
     let grid = &state.solution.as_ref()?.lattice.grid;
-    let is_apart = |pair: &Pair| on_different_branches(state, anchors, pair);
-    let told = pairs(state, solve, (grid, height_px)).filter(|pair| !is_apart(pair));
+    let branches = state.solution.as_ref().and_then(|solution| solution.branches.as_ref());
+    let least_cells = if branches.is_some() { BRANCHING_APART_CELLS } else { APART_CELLS };
+    let is_coupled = |pair: &Pair| branches.is_none_or(|branches| share(branches, (state, anchors), pair) >= MIN_SHARE);
+    let told = pairs(state, solve, (grid, height_px)).filter(|pair| pair.cells < least_cells && is_coupled(pair));
     let worst = told.max_by(|a, b| a.stretch.total_cmp(&b.stretch))?;
     let [one, other] = worst.pins.map(|pin| &layer.pins[pin.pin].name);
     let apart_px = difference(worst.pins).length() * height_px;
@@ -53,25 +63,32 @@ pub(in crate::pipeline) fn warning(
     } else {
         "move them farther apart".into()
     };
+    let auto =
+        if can_choose_dims(shot, layer, dims) { ", let its thinnest parts choose them (dims = \"auto\")" } else { "" };
     let branching = branching_remedy(shot, layer);
     Some(format!(
         "layer '{}': pins '{one}' and '{other}' share cells of the lattice ({:.1} cells lie between them) and are to move {apart_px:.0} px \
-         apart: the area around them is distorted; {remedy}{branching}, or give each part a layer of its own (`nodes`, `select`)",
+         apart: the area around them is distorted; {remedy}{auto}{branching}, or give each part a layer of its own (`nodes`, `select`)",
         layer.name, worst.cells
     ))
 }
 
-/// Whether two pins lie on different branches of the lattice, which do not take each other along.
-fn on_different_branches(state: &LayerState, anchors: &[PinAnchor], pair: &Pair) -> bool {
-    let branches = state.solution.as_ref().and_then(|solution| solution.branches.as_ref());
-    let branch = |pin: &PinState| {
-        let triangles = held_triangles(anchors.get(pin.pin)?, &state.starts)?;
-        Some(branches?.branch_within(triangles, pin.rest.0.to_array()))
-    };
-    let [one, other] = pair.pins.map(branch);
-    one.zip(other).is_some_and(|(one, other)| one != other)
+/// Whether `dims = "auto"` may give a layer with these dims more handles.
+fn can_choose_dims(shot: &Shot, layer: &Layer, dims: [usize; 2]) -> bool {
+    let is_fine = dims[0].max(dims[1]) >= SCENE_HANDLES || layer.has_auto_dims;
+    !is_fine && layer.handles.is_empty() && layer.basis.can_branch() && !matches!(shot.source, Source::Frame)
 }
 
+/// The share of the copies acting on two pins that acts on both.
+fn share(branches: &BranchedLattice<2>, (state, anchors): (&LayerState, &[PinAnchor]), pair: &Pair) -> f64 {
+    let place = |pin: &PinState| {
+        let triangle = anchors.get(pin.pin).and_then(|anchor| held_triangle(anchor, &state.starts));
+        (pin.rest.0.to_array(), triangle)
+    };
+    branches.common_share(pair.pins.map(place))
+}
+
+/// The pairs of pins that are moved apart.
 fn pairs<'a>(
     state: &'a LayerState,
     solve: &'a SolveReport,
@@ -89,7 +106,7 @@ fn pairs<'a>(
         let cells = (0..2).map(|axis| along[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max);
         let apart = difference(pins).length();
         let stretch = (pins[1].target - pins[0].target).0.length() / between.length().max(f64::MIN_POSITIVE);
-        let is_meant = cells > 0.0 && cells < APART_CELLS && stretch > STRETCH && apart * height_px > MIN_PX;
+        let is_meant = cells > 0.0 && stretch > STRETCH && apart * height_px > MIN_PX;
         (is_meant && !is_told(&indices)).then_some(Pair { pins, cells, stretch })
     })
 }

@@ -25,10 +25,15 @@ pub(crate) fn check_plain(prepared: &PreparedShot, what: &str) -> Result<(), Pip
     }
 }
 
-/// What to do where parts that are apart on a model share handles; empty where the layer branches already, or cannot.
+/// What to do where parts that are apart on a model or picture share handles; empty where the layer branches already, or cannot.
 pub(in crate::pipeline) fn branching_remedy(shot: &Shot, layer: &Layer) -> &'static str {
     let is_plain = layer.settings.topology == Topology::Plain;
-    if is_plain && layer.can_branch() && matches!(shot.source, Source::Scene(_)) {
+    let is_fit = match &shot.source {
+        Source::Scene(_) => true,
+        Source::Images(images) => images.len() == 1,
+        Source::Frame => false,
+    };
+    if is_plain && layer.can_branch() && is_fit {
         ", give parts that are apart on the model handles of their own (topology = \"branching\" in `lattice`)"
     } else {
         ""

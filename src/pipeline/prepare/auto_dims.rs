@@ -23,7 +23,7 @@ const HANDLES: [usize; 2] = [10, 64];
 
 /// Maximum number of handles along the longer side of a scene's layer, whose shape changes from frame to frame, so that every frame is
 /// split and factored anew.
-const SCENE_HANDLES: usize = 24;
+pub(in crate::pipeline) const SCENE_HANDLES: usize = 24;
 
 /// Number of handles above which the cost of a sequence is noted.
 const MANY_HANDLES: usize = 2000;

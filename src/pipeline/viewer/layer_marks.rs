@@ -9,7 +9,7 @@ use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::screen::Camera;
 use crate::shot::{Goal, LayerSpace, OffsetUnit, PinKey, Rotation};
-use crate::solve::{Shape, active_cells};
+use crate::solve::{Shape, Solution, active_cells};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -66,7 +66,10 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
     let marks = |(layer, state): (usize, &LayerState)| {
         let marks = LayerMarks { layer, ..LayerMarks::default() };
         let marks = match (&state.solution, &state.world) {
-            (Some(solution), _) => of_screen(marks, &solution.lattice, || screen_shape(prepared, sample, layer)),
+            (Some(solution), _) => {
+                let folded = folded_outlines(solution, || screen_shape(prepared, sample, layer));
+                of_screen(marks, &solution.lattice, folded)
+            }
             (None, Some(world)) => of_scene(marks, &world.lattice, &sample.camera),
             (None, None) => return None,
         };
@@ -100,7 +103,7 @@ pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerM
             let lattice = SceneLattice { frame, lattice: grid.at_rest() };
             return Some(of_scene(marks, &lattice, &sample.camera));
         }
-        Some(of_screen(marks, &resting(prepared, sample, layer)?, Shape::default))
+        Some(of_screen(marks, &resting(prepared, sample, layer)?, Vec::new()))
     };
     sample.layers.iter().enumerate().filter(is_resting).filter_map(marks).collect()
 }
@@ -120,12 +123,10 @@ fn rim(prepared: &PreparedShot, (layer, state): (usize, &PinState), lattice: &Sc
     (0..=RIM_PIECES).map(|k| lattice.warp(around(k))).collect()
 }
 
-fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> LayerMarks {
+fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, folded: Vec<Vec<ScreenPoint>>) -> LayerMarks {
     let grid = &lattice.grid;
     let spans = grid.dims.map(|count| grid.basis.spans(count));
-    let at = |cells: [f64; 2]| {
-        ScreenPoint(grid.point_from_unit(std::array::from_fn(|axis| cells[axis] / spans[axis] as f64)).into())
-    };
+    let at = |cells: [f64; 2]| point_from_cells(lattice, cells);
     let mut lines = Vec::new();
     for along in 0..2 {
         for line in 0..=spans[1 - along] {
@@ -138,25 +139,48 @@ fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, shape: impl Fn() -> Sha
             lines.push((0..=spans[along] * PIECES).map(place).collect::<Vec<_>>());
         }
     }
-    let margin = grid.basis.margin() as f64;
-    let outline = |cell: [usize; 2]| {
-        let [x, y] = cell.map(|place| place as f64 - margin);
-        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let side = |k: usize| {
-            let ([from, to], t) = ([corners[k / PIECES % 4], corners[(k / PIECES + 1) % 4]], (k % PIECES) as f64);
-            std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * t / PIECES as f64)
-        };
-        let rim = (0..4 * PIECES).map(side);
-        rim.map(|[u, v]: [f64; 2]| lattice.warp(at([x + u, y + v]))).collect()
-    };
     LayerMarks {
         distortion: lines.iter().map(|line| line.iter().map(|&point| stretch(lattice, point)).collect()).collect(),
         lines: lines.iter().map(|line| line.iter().map(|&point| lattice.warp(point)).collect()).collect(),
         handles: lattice.handles.iter().map(|&[x, y]| Some(ScreenPoint::new(x, y))).collect(),
-        folded: folded_model_cells(lattice, shape).into_iter().map(outline).collect(),
+        folded,
         rest_box: Some(grid.bounds()),
         ..marks
     }
+}
+
+/// Returns the point at this number of cells along each axis of the box.
+fn point_from_cells(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
+    let grid = &lattice.grid;
+    let unit = |axis: usize| cells[axis] / grid.basis.spans(grid.dims[axis]) as f64;
+    ScreenPoint(grid.point_from_unit(std::array::from_fn(unit)).into())
+}
+
+/// Returns the warped outlines of the cells in which the model folds.
+fn folded_outlines(solution: &Solution<2>, shape: impl Fn() -> Shape<2>) -> Vec<Vec<ScreenPoint>> {
+    let outlines = |lattice: &ScreenLattice, cells: Vec<[usize; 2]>| -> Vec<Vec<ScreenPoint>> {
+        cells.into_iter().map(|cell| cell_outline(lattice, cell)).collect()
+    };
+    match &solution.branches {
+        Some(branches) if solution.report.folded_model_cells > 0 => (0..branches.branch_count())
+            .flat_map(|branch| outlines(&branches.lattice(branch), branches.folds_of(branch).cells))
+            .collect(),
+        Some(_) => Vec::new(),
+        None => outlines(&solution.lattice, folded_model_cells(&solution.lattice, shape)),
+    }
+}
+
+/// Returns the warped outline of a cell between handles.
+fn cell_outline(lattice: &ScreenLattice, cell: [usize; 2]) -> Vec<ScreenPoint> {
+    let margin = lattice.grid.basis.margin() as f64;
+    let [x, y] = cell.map(|place| place as f64 - margin);
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let side = |k: usize| {
+        let ([from, to], t) = ([corners[k / PIECES % 4], corners[(k / PIECES + 1) % 4]], (k % PIECES) as f64);
+        std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * t / PIECES as f64)
+    };
+    let rim = (0..4 * PIECES).map(side);
+    rim.map(|[u, v]: [f64; 2]| lattice.warp(point_from_cells(lattice, [x + u, y + v]))).collect()
 }
 
 /// Returns the folded cells that contain part of the model. The shape is computed only if any cell folds.

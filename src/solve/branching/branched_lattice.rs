@@ -5,7 +5,7 @@
 use super::bending::{Bending, bending};
 use super::continuation::continued;
 use super::{Branching, checked_width};
-use crate::lattice::{Folds, Grid, Lattice};
+use crate::lattice::{Grid, Lattice};
 use crate::solve::error::SolveError;
 use crate::solve::problem::{PointPin, Shape};
 use crate::solve::upright::Upright;
@@ -274,27 +274,6 @@ impl<const D: usize> BranchedLattice<D> {
             (0..D).for_each(|d| moved[d] += term.weight * (self.copies[copy][d] - rest[d]));
         });
         if total > 0.0 { std::array::from_fn(|d| point[d] + moved[d] / total) } else { point }
-    }
-
-    /// The folds of all branches, each counted in the cells that contain a part of it.
-    #[must_use]
-    pub(crate) fn folds(&self) -> Folds<D> {
-        let Branching { grid, pieces, branch_of, .. } = self.branching.as_ref();
-        let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
-        for branch in 0..self.branch_count() {
-            let mut is_active = vec![false; grid.cell_count()];
-            let own = pieces.list.iter().zip(branch_of).filter(|(_, of)| **of == branch);
-            own.for_each(|(piece, _)| is_active[piece.cell] = true);
-            let found = self.lattice(branch).folds(&is_active);
-            let margin = grid.basis.margin();
-            let number = |place: &[usize; D]| {
-                (0..D).rev().fold(0, |cell, axis| cell * grid.basis.spans(grid.dims[axis]) + place[axis] - margin)
-            };
-            folds.cells.extend(found.cells.into_iter().filter(|place| is_active[number(place)]));
-            folds.active_count += found.active_count;
-            folds.min_det = folds.min_det.min(found.min_det);
-        }
-        folds
     }
 }
 

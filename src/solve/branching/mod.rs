@@ -5,12 +5,13 @@
 //! the branches, each of which is a plain lattice over a part of the shape. For each handle the shape inside its open support is
 //! split into connected components (pieces), and each of these gets its own copy of the handle (J. Molino et al., "A Virtual Node
 //! Algorithm for Changing Mesh Topology During Simulation", 2004; M. Nesme et al., "Preserving Topology and Elasticity for
-//! Embedded Deformable Models", 2009). docs/METHOD.md, "Branching lattices", has the proofs.
+//! Embedded Deformable Models", 2009). docs/METHOD.md, "Branching lattices", has the proofs, and what sets these lattices apart.
 
 mod adjacency;
 mod along_shape;
 mod around_pin;
 mod bending;
+mod branch_folds;
 mod branched_lattice;
 mod cell_connections;
 mod cell_parts;
@@ -23,6 +24,7 @@ mod islands;
 mod link;
 mod nearest_point;
 mod pieces;
+mod pin_coupling;
 mod ray;
 mod rest_links;
 mod row_shares;

@@ -85,24 +85,6 @@ impl<const D: usize> Branching<D> {
         all
     }
 
-    /// The degree to which two pins act on the same unknowns, 0 to 1; pins on separate parts are independent.
-    pub(crate) fn coupling(&self, pins: [&PointPin<D>; 2]) -> f64 {
-        let [one, other] = pins.map(|pin| {
-            let (snapped, piece) = self.snapped_pin(pin);
-            let copies = &self.branches[self.branch_of(piece)];
-            let weights = self.grid.weights(self.grid.clamp_to_box(snapped.at)).into_iter();
-            weights.filter_map(|(handle, weight)| Some((handle, (copies[handle]?, weight)))).collect::<BTreeMap<_, _>>()
-        });
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (handle, (copy, weight)) in &one {
-            if let Some((theirs, other)) = other.get(handle) {
-                sum += weight * other * self.coupling_degree(&[[*copy, *theirs]]);
-                total += weight * other;
-            }
-        }
-        if total > 0.0 { sum / total } else { 0.0 }
-    }
-
     /// Rows of the model's points over copies, with a total weight of 1.
     pub(crate) fn point_rows(&self, points: &[ModelPoint<D>]) -> LeastSquaresRows<D> {
         let mut rows = LeastSquaresRows::new();
