@@ -9,11 +9,8 @@ use crate::pipeline::{PinAnchor, PreparedShot};
 use crate::shot::{LayerSpace, Source};
 use std::sync::PoisonError;
 
-/// Number of spans across a thin part of a picture, which lets it bend at a joint as a mesh does (docs/METHOD.md has the measurements).
-const SPANS_ACROSS_PICTURE: f64 = 5.5;
-
-/// Number of spans across a thin part of a scene, of which every frame costs more.
-const SPANS_ACROSS_SCENE: f64 = 2.5;
+/// Number of spans across a thin part: enough to bend at a joint, and few enough to bend in a smooth arc (docs/METHOD.md has the measurements).
+const SPANS_ACROSS: f64 = 2.5;
 
 /// Number of spans between two neighbouring pins, so that they do not share all of their handles.
 const SPANS_BETWEEN_PINS: f64 = 2.0;
@@ -71,9 +68,7 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     let Slenderness::Seen(thickness) = slenderness(prepared, index) else {
         return coarsest("for nothing is seen of it");
     };
-    let is_scene = matches!(prepared.shot.source, Source::Scene(_));
-    let spans_across = if is_scene { SPANS_ACROSS_SCENE } else { SPANS_ACROSS_PICTURE };
-    let thin = thickness.map(|thickness| thickness / spans_across);
+    let thin = thickness.map(|thickness| thickness / SPANS_ACROSS);
     let frame = f64::from(prepared.shot.reference_frame());
     let sides = box_sides(prepared, index, frame);
     let nearest = nearest_pins(prepared, index, frame);
@@ -91,7 +86,10 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
         sides.map(|side| (spans(side) + ends).clamp(HANDLES[0], HANDLES[1]))
     };
     let wanted = dims_for(span);
-    let widest = if is_scene { PADDING / (SCENE_HANDLES - ends) as f64 } else { 0.0 };
+    let widest = match prepared.shot.source {
+        Source::Scene(_) => PADDING / (SCENE_HANDLES - ends) as f64,
+        Source::Images(_) | Source::Frame => 0.0,
+    };
     let dims = dims_for(span.max(widest));
     Choice { dims, why, wanted: (dims != wanted).then_some(wanted) }
 }

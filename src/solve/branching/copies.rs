@@ -109,10 +109,10 @@ impl<const D: usize> Finder<'_, D> {
             piece.part_count += 1;
         }
         let mut pieces: Vec<Piece> = pieces.into_values().collect();
-        let small = split_off_small(&mut pieces);
+        let smallest = split_off_smallest(&mut pieces);
         let first = copies.handles.len();
         let mut copy_of_root = vec![usize::MAX; inside.parts.len()];
-        for pieces in pieces.chunks(1).chain((!small.is_empty()).then_some(&small[..])) {
+        for pieces in pieces.chunks(1).chain((!smallest.is_empty()).then_some(&smallest[..])) {
             pieces.iter().for_each(|piece| copy_of_root[piece.root] = copies.handles.len());
             copies.handles.push(handle);
             copies.first_triangles.push(pieces[0].first_triangle);
@@ -211,16 +211,16 @@ struct Piece {
 }
 
 /// Sorts pieces by first triangle. With more than [`MAX_COPIES`] the smallest are taken out and returned.
-fn split_off_small(pieces: &mut Vec<Piece>) -> Vec<Piece> {
-    let mut small = Vec::new();
+fn split_off_smallest(pieces: &mut Vec<Piece>) -> Vec<Piece> {
+    let mut smallest = Vec::new();
     if pieces.len() > MAX_COPIES {
         pieces.sort_unstable_by_key(|piece| (Reverse(piece.part_count), piece.first_triangle));
-        small = pieces.split_off(MAX_COPIES - 1);
+        smallest = pieces.split_off(MAX_COPIES - 1);
     }
-    for pieces in [pieces, &mut small] {
+    for pieces in [pieces, &mut smallest] {
         pieces.sort_unstable_by_key(|piece| piece.first_triangle);
     }
-    small
+    smallest
 }
 
 /// Position of a handle among those of a cell.
