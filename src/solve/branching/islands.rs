@@ -90,20 +90,20 @@ impl<const D: usize> Islands<D> {
 
     /// Returns the shortest gap from an island to some others, up to a length.
     fn shortest_gap(&self, island: &Island<D>, limit: f64, is_other: impl Fn(usize) -> bool) -> Option<Gap> {
-        let mut reach = FIRST_RADIUS * limit;
+        let mut within = FIRST_RADIUS * limit;
         loop {
-            let near = grown(&island.bounds, reach);
+            let near = grown(&island.bounds, within);
             let others = self.tree.locate_in_envelope_intersecting(near).map(|leaf| leaf.data);
             let mut best: Option<Gap> = None;
             for other in others.filter(|&other| is_other(other)) {
-                let least = best.map_or(reach * reach, |gap| gap.0);
+                let least = best.map_or(within * within, |gap| gap.0);
                 let gap = gap_between(island, &self.list[other], least);
                 best = [best, gap].into_iter().flatten().reduce(|a, b| if is_shorter(&b, &a) { b } else { a });
             }
-            if best.is_some() || reach >= limit {
+            if best.is_some() || within >= limit {
                 return best;
             }
-            reach = (2.0 * reach).min(limit);
+            within = (2.0 * within).min(limit);
         }
     }
 }
