@@ -126,6 +126,7 @@ fn spoken(pin: &Pin) -> Spoken {
     }
 }
 
+#[cfg(feature = "editor")]
 impl Pin {
     /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
     #[must_use]
@@ -134,6 +135,7 @@ impl Pin {
     }
 }
 
+#[cfg(feature = "editor")]
 impl HandleTrack {
     /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
     #[must_use]

@@ -5,6 +5,7 @@
 mod block;
 mod filter;
 mod layer;
+#[cfg(feature = "editor")]
 mod paths;
 mod pin;
 mod rename;
@@ -15,8 +16,10 @@ mod text;
 pub use block::pin_block;
 pub use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
+#[cfg(feature = "editor")]
 pub(crate) use paths::put_paths;
 pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin};
+#[cfg(feature = "editor")]
 pub(crate) use rename::rename_layer;
 pub use rename::rename_pin;
 pub use setting::{

@@ -33,6 +33,7 @@ pub fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotErr
 ///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML or has no such layer, or if the name is empty.
+#[cfg(feature = "editor")]
 pub(crate) fn rename_layer(text: &str, layer: &str, name: &str) -> Result<String, ShotError> {
     edit_layers(text, (layer, name), |layers| {
         let own = find(layers, Some(layer), "layer").map_err(|(what, hint)| fault(layer, &what, &hint))?;
