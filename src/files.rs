@@ -47,6 +47,14 @@ pub(crate) fn check_regular(path: &Path) -> Result<()> {
     }
 }
 
+/// Returns the path of a file, which need not exist, in its folder as the file system knows it.
+#[cfg(feature = "editor")]
+pub(crate) fn located(file: &Path) -> std::path::PathBuf {
+    let folder = file.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let folder = folder.and_then(|folder| folder.canonicalize().ok());
+    folder.zip(file.file_name()).map_or_else(|| file.to_owned(), |(folder, name)| folder.join(name))
+}
+
 /// Whether two paths lead to one file.
 #[cfg(feature = "editor")]
 pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {

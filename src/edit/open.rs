@@ -4,7 +4,7 @@
 //! path next to it. The mesh of a problem file is written beside it as a scene.
 
 use super::{Document, EditError};
-use crate::files::{SHOT_BYTES, read_text};
+use crate::files::{SHOT_BYTES, located, read_text};
 use crate::image::{PictureKind, SequencePath, picture_size, replace_bytes};
 use crate::pipeline::{NewShot, ProblemShot, new_shot, path_between, problem_shot};
 use crate::scene::FileAccess;
@@ -107,10 +107,7 @@ fn is_shot_of(shot: &Path, file: &Path) -> bool {
 fn is_same(one: &Path, other: &Path) -> bool {
     let [one, other] = [one, other].map(|path| {
         let path = SequencePath::parse(path).map_or_else(|_| path.to_owned(), |sequence| sequence.path_of(0));
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let in_folder =
-            folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default());
-        path.canonicalize().unwrap_or(in_folder)
+        path.canonicalize().unwrap_or_else(|_| located(&path))
     });
     one == other
 }

@@ -46,13 +46,10 @@ impl Document {
     /// # Errors
     /// [`EditError`] if the file cannot be written, or what is there cannot be read.
     pub(crate) fn save(&mut self) -> Result<DiskChange, EditError> {
-        let found = match read_text(&self.path, SHOT_BYTES) {
-            Ok(text) => Some(text),
-            Err(error) if error.kind() == ErrorKind::NotFound => None,
-            Err(source) => return Err(EditError::Io { path: self.path.clone(), source }),
-        };
+        let found = self.read_disk().map_err(|source| EditError::Io { path: self.path.clone(), source })?;
         // What is no shot is not overwritten without a question, either.
-        let change = self.check_disk().unwrap_or_else(|_| found.map_or(DiskChange::None, DiskChange::Conflict));
+        let change =
+            self.follow_disk(found.clone()).unwrap_or_else(|_| found.map_or(DiskChange::None, DiskChange::Conflict));
         if !matches!(change, DiskChange::Conflict(_)) {
             replace_text(&self.path, &self.text)?;
             self.set_on_disk(Some(self.text.clone()));
@@ -92,14 +89,25 @@ impl Document {
     /// # Errors
     /// [`EditError`] if the file on disk is not a valid shot.
     pub fn check_disk(&mut self) -> Result<DiskChange, EditError> {
-        let text = match read_text(&self.path, SHOT_BYTES) {
-            Ok(text) => text,
-            Err(error) => {
-                if error.kind() == ErrorKind::NotFound && self.on_disk().is_some() {
-                    self.set_on_disk(None);
-                }
-                return Ok(DiskChange::None);
+        self.read_disk().map_or(Ok(DiskChange::None), |found| self.follow_disk(found))
+    }
+
+    /// Reads the file; `None` if there is none.
+    fn read_disk(&self) -> std::io::Result<Option<String>> {
+        match read_text(&self.path, SHOT_BYTES) {
+            Ok(text) => Ok(Some(text)),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Takes over, or merges, what was found on disk.
+    fn follow_disk(&mut self, found: Option<String>) -> Result<DiskChange, EditError> {
+        let Some(text) = found else {
+            if self.on_disk().is_some() {
+                self.set_on_disk(None);
             }
+            return Ok(DiskChange::None);
         };
         if self.on_disk() == Some(&text) {
             return Ok(DiskChange::None);

@@ -4,8 +4,9 @@
 //! Frames are still written relative to the shot file, so that a copy does not overwrite those of its original.
 
 use crate::edit::EditError;
+use crate::files::located;
 use crate::shot::edit::put_paths;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Returns the text of a shot for another folder.
 ///
@@ -35,12 +36,6 @@ pub(super) fn relocated(text: &str, [from, to]: [&Path; 2]) -> Result<String, Ed
         Some(if cfg!(windows) { file.replace('\\', "/") } else { file })
     };
     Ok(put_paths(text, &moved)?)
-}
-
-/// Returns the path of a file, or of a sequence, in its folder as the file system knows it.
-fn located(file: &Path) -> PathBuf {
-    let folder = file.parent().and_then(|folder| folder.canonicalize().ok());
-    folder.zip(file.file_name()).map_or_else(|| file.to_owned(), |(folder, name)| folder.join(name))
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 /// Fraction of the radius within which others are looked for at first.
 const FIRST_RADIUS: f64 = 1.0 / 64.0;
 
-/// A position, with the number 3 · triangle + corner of the first corner there.
-type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
+/// The position of a corner of a triangle, with the number 3 · triangle + corner.
+pub(super) type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
 
 /// A connected part of a shape.
 struct Island<const D: usize> {

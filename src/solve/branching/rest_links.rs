@@ -4,7 +4,7 @@
 //! In: points and triangles at rest, 2D or 3D. Out: [`Link`]s.
 
 use super::disjoint_sets::DisjointSets;
-use super::islands::Islands;
+use super::islands::{Corner, Islands};
 use super::link::{Link, LinkEnd, LinkKind};
 use super::nearest_point::nearest_barycentric;
 use crate::solve::linalg::small_matrix::distance;
@@ -69,9 +69,6 @@ pub(crate) fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u
     links.extend(contacts);
     links
 }
-
-/// A corner of a triangle, with the number 3 · triangle + corner.
-type Corner<const D: usize> = GeomWithData<[f64; D], usize>;
 
 /// Links two sets of triangles at their nearest corners; `None` if one of them is empty.
 #[must_use]
