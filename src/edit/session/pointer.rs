@@ -365,7 +365,7 @@ impl Session {
     /// Returns the nearest visible pin and its rest position.
     #[must_use]
     pub(crate) fn pin_near(&self, at: ScreenPoint, reach: f64) -> Option<([usize; 2], ScreenPoint)> {
-        if !self.shown.pins || self.shown.is_hidden {
+        if !self.shown.shows_pins() {
             return None;
         }
         let marks = self.marks();
@@ -397,7 +397,7 @@ impl Session {
     }
 
     fn choose_box(&mut self, [a, b]: [ScreenPoint; 2]) {
-        if !self.shown.pins || self.shown.is_hidden {
+        if !self.shown.shows_pins() {
             return;
         }
         let holds = |point: ScreenPoint| ((point - a).0 * (point - b).0).max_element() <= 0.0;

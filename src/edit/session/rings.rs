@@ -24,7 +24,7 @@ impl Session {
     }
 
     fn ringed_pin(&self) -> Option<&PinMark> {
-        let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.pins && !self.shown.is_hidden)?;
+        let [layer, pin] = self.selection.single_pin().filter(|_| self.shown.shows_pins())?;
         self.marks_of(layer)?.pins.iter().find(|mark| mark.pin == pin)
     }
 

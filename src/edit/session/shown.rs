@@ -86,6 +86,11 @@ impl Shown {
     pub(crate) const fn lasting(self) -> Self {
         Self { wipe: Wipe::Off, is_before: false, is_hidden: false, ..self }
     }
+
+    /// Whether pins are seen.
+    pub(super) const fn shows_pins(&self) -> bool {
+        self.pins && !self.is_hidden
+    }
 }
 
 impl Default for Shown {

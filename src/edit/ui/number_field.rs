@@ -3,7 +3,7 @@
 //! In: a value, its range. Out: the value as edited. The toolkit's own ones clamp and round what they merely show.
 
 use eframe::egui::emath::Numeric;
-use eframe::egui::{DragValue, Slider, SliderClamping, Ui};
+use eframe::egui::{DragValue, Response, Slider, SliderClamping, Ui};
 use std::ops::RangeInclusive;
 
 /// A number as it is shown.
@@ -24,8 +24,7 @@ impl NumberField<'_> {
         let old = *value;
         let field = DragValue::new(value).range(self.range.clone()).clamp_existing_to_range(false);
         let response = ui.add(style(field.max_decimals(self.decimals)));
-        let response = response.accessible_name(self.name).on_hover_text(self.hint);
-        response.changed() && !(response.lost_focus() && self.is_read_back(old, value))
+        self.is_edited(response, old, value)
     }
 
     /// Shows a slider, styled further by `style`. Returns whether the user changed the value.
@@ -33,6 +32,11 @@ impl NumberField<'_> {
         let old = *value;
         let slider = Slider::new(value, self.range.clone()).clamping(SliderClamping::Edits);
         let response = ui.add(style(slider.max_decimals(self.decimals)));
+        self.is_edited(response, old, value)
+    }
+
+    /// Names the widget. Returns whether it changed the value.
+    fn is_edited(&self, response: Response, old: f64, value: &mut f64) -> bool {
         let response = response.accessible_name(self.name).on_hover_text(self.hint);
         response.changed() && !(response.lost_focus() && self.is_read_back(old, value))
     }
