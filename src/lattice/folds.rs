@@ -38,13 +38,34 @@ impl<const D: usize> Lattice<D> {
     #[must_use]
     pub fn folds(&self, is_active: &[bool]) -> Folds<D> {
         assert_eq!(is_active.len(), self.grid.cell_count(), "one entry a cell");
-        let margin = self.grid.basis.margin();
-        let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
         let bounds = match self.grid.basis.support() {
             Support::Global => self.probe(),
             Support::Simplex => (0..is_active.len()).map(|cell| self.min_of_simplices(cell)).collect(),
-            Support::Tensor { width } => self.proven_bounds(is_active, width),
+            Support::Tensor { width } => {
+                let starts = self.slope_starts(width);
+                let rough: Vec<f64> = (0..is_active.len()).map(|cell| self.rough_bound(cell, &starts)).collect();
+                let open = (0..rough.len()).filter(|&cell| is_active[cell] || rough[cell] <= 0.0).collect();
+                self.proven_bounds(rough, (open, f64::INFINITY), (is_active, width))
+            }
         };
+        self.folds_within(&bounds, is_active)
+    }
+
+    /// Same as [`Self::folds`], for a basis that is a tensor product of polynomials, without the cells that are not active.
+    /// `min_det` is tight only if it may be less than `wanted`.
+    pub(crate) fn active_folds(&self, is_active: &[bool], wanted: f64) -> Folds<D> {
+        let Support::Tensor { width } = self.grid.basis.support() else { return self.folds(is_active) };
+        let open: Vec<usize> = (0..is_active.len()).filter(|&cell| is_active[cell]).collect();
+        let (mut bounds, starts) = (vec![f64::INFINITY; is_active.len()], self.slope_starts(width));
+        open.iter().for_each(|&cell| bounds[cell] = self.rough_bound(cell, &starts));
+        let bounds = self.proven_bounds(bounds, (open, wanted), (is_active, width));
+        self.folds_within(&bounds, is_active)
+    }
+
+    /// The folds for lower bounds of det J of all cells.
+    fn folds_within(&self, bounds: &[f64], is_active: &[bool]) -> Folds<D> {
+        let margin = self.grid.basis.margin();
+        let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
         for (cell, (&least, &is_active)) in bounds.iter().zip(is_active).enumerate() {
             if is_active {
                 folds.min_det = folds.min_det.min(least);
@@ -66,14 +87,16 @@ impl<const D: usize> Lattice<D> {
         self.folds(&vec![true; self.grid.cell_count()]).cells
     }
 
-    /// Returns a lower bound of det J for each cell, with the correct sign; tight for the smallest one of the active cells.
-    fn proven_bounds(&self, is_active: &[bool], width: usize) -> Vec<f64> {
-        let mut bounds = self.rough_bounds(width);
-        let is_open = |cell: &usize| is_active[*cell] || bounds[*cell] <= 0.0;
-        let mut open: Vec<usize> = (0..bounds.len()).filter(is_open).collect();
+    /// Refines lower bounds of det J in the `open` cells until they have the correct sign, and the smallest one of the active cells
+    /// is tight if it may be less than `least`.
+    fn proven_bounds(
+        &self,
+        mut bounds: Vec<f64>,
+        (mut open, mut least): (Vec<usize>, f64),
+        (is_active, width): (&[bool], usize),
+    ) -> Vec<f64> {
         // In ascending order, so that the rough bound suffices for most cells, which are neither near a fold nor the smallest.
         open.sort_unstable_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
-        let mut least = f64::INFINITY;
         for cell in open {
             if bounds[cell] > 0.0 && bounds[cell] >= least {
                 break;
@@ -87,39 +110,36 @@ impl<const D: usize> Lattice<D> {
         bounds
     }
 
-    /// Returns rough lower bounds of det J for each cell: derivatives lie between the differences of neighbouring handles.
-    fn rough_bounds(&self, width: usize) -> Vec<f64> {
-        if !self.handles.as_flattened().iter().all(|x| x.is_finite()) {
-            return vec![f64::NEG_INFINITY; self.grid.cell_count()];
-        }
-        let ranges: [Vec<[[f64; 2]; D]>; D] = std::array::from_fn(|axis| self.slope_ranges(axis, width));
-        let bound = |cell: usize| {
-            let places = self.grid.cell_coords(cell).into_iter().enumerate();
-            let first: usize = places.map(|(axis, place)| place * self.grid.stride(axis)).sum();
-            rough_determinant::<D>(&std::array::from_fn(|d| std::array::from_fn(|axis| ranges[axis][first][d])))
-        };
-        (0..self.grid.cell_count()).map(bound).collect()
+    /// Returns, for each axis, the handles of a cell that have a neighbour ahead along this axis in the cell, counted from the first
+    /// handle of the cell.
+    fn slope_starts(&self, width: usize) -> [Vec<usize>; D] {
+        let within = |number: usize, axis: usize| number / width.pow(axis as u32) % width;
+        let offset = |number: usize| (0..D).map(|axis| within(number, axis) * self.grid.stride(axis)).sum();
+        std::array::from_fn(|axis| {
+            (0..width.pow(D as u32)).filter(|&number| within(number, axis) + 1 < width).map(offset).collect()
+        })
     }
 
-    /// Returns, for each handle, the smallest and largest difference along `axis`, by coordinate, among the handles of
-    /// the cell that starts there. Values of handles without such a cell are unspecified.
-    fn slope_ranges(&self, axis: usize, width: usize) -> Vec<[[f64; 2]; D]> {
-        let (count, step) = (self.handles.len(), self.grid.stride(axis));
-        let per_pitch = 1.0 / self.grid.spacing(axis);
-        let slope = |handle: usize| {
-            let (from, to) = (&self.handles[handle], &self.handles[(handle + step).min(count - 1)]);
-            std::array::from_fn(|d| [(to[d] - from[d]) * per_pitch; 2])
-        };
-        let mut ranges: Vec<[[f64; 2]; D]> = (0..count).map(slope).collect();
-        // Each round extends the windows by one handle.
-        for along in 0..D {
-            let ahead = self.grid.stride(along);
-            let rounds = if along == axis { width - 2 } else { width - 1 };
-            for _ in 0..rounds {
-                (ahead..count).for_each(|next| ranges[next - ahead] = joined(&ranges[next - ahead], &ranges[next]));
+    /// Returns a rough lower bound of det J in a cell: derivatives lie between the differences of neighbouring handles. Minus infinity
+    /// if one of these is not finite.
+    fn rough_bound(&self, cell: usize, starts: &[Vec<usize>; D]) -> f64 {
+        let place = self.grid.cell_coords(cell);
+        let first: usize = (0..D).map(|axis| place[axis] * self.grid.stride(axis)).sum();
+        let mut slopes = [[[f64::INFINITY, f64::NEG_INFINITY]; D]; D];
+        let mut is_finite = true;
+        for axis in 0..D {
+            let (step, per_pitch) = (self.grid.stride(axis), 1.0 / self.grid.spacing(axis));
+            for start in &starts[axis] {
+                let [from, to] = [first + start, first + start + step].map(|handle| &self.handles[handle]);
+                for d in 0..D {
+                    let slope = (to[d] - from[d]) * per_pitch;
+                    let [low, high] = &mut slopes[d][axis];
+                    (*low, *high) = (low.min(slope), high.max(slope));
+                    is_finite &= slope.is_finite();
+                }
             }
         }
-        ranges
+        if is_finite { rough_determinant(&slopes) } else { f64::NEG_INFINITY }
     }
 
     /// Returns det J in a cell of a basis that is a tensor product of polynomials of this degree.
@@ -284,14 +304,6 @@ fn min_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
         }
     }
     least
-}
-
-/// Returns the smallest ranges that contain both.
-fn joined<const D: usize>(a: &[[f64; 2]; D], b: &[[f64; 2]; D]) -> [[f64; 2]; D] {
-    std::array::from_fn(|d| {
-        let ([low, high], [least, most]) = (a[d], b[d]);
-        [if least < low { least } else { low }, if most > high { most } else { high }]
-    })
 }
 
 /// Returns a lower bound of the determinant of a matrix with entries in the given ranges.

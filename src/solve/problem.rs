@@ -73,6 +73,12 @@ impl<const D: usize> PointPin<D> {
     pub fn new(at: [f64; D], target: [f64; D]) -> Self {
         Self { at, target, weight: 1.0, gradient: None, region: None, triangle: None }
     }
+
+    /// The pin at another rest position, with the same displacement.
+    pub(crate) fn moved_to(&self, at: [f64; D]) -> Self {
+        let target = std::array::from_fn(|d| self.target[d] + at[d] - self.at[d]);
+        Self { at, target, ..*self }
+    }
 }
 
 /// Neighbourhood that moves with a pin; its effect fades out smoothly from the pin to the rim.

@@ -49,6 +49,8 @@ pub(crate) struct System<const D: usize> {
     terms: Terms<D>,
     /// Copies of handles; `None` if every handle is one unknown.
     branching: Option<Arc<Branching<D>>>,
+    /// The point of the shape that each pin holds, and its piece; empty if every handle is one unknown.
+    snapped: Vec<([f64; D], usize)>,
     /// Active cells; empty until [`Self::mark_active_cells`] is called.
     is_active: Vec<bool>,
     /// Barrier that keeps active cells from folding, if the settings ask for it.
@@ -174,6 +176,9 @@ impl<const D: usize> System<D> {
             }
         };
         cancel.check()?;
+        let snap =
+            |pin: &PointPin<D>| branching.as_ref().map(|branching| branching.snapped_point(pin.at, pin.triangle));
+        let snapped = problem.pins.iter().filter_map(snap).collect();
         let mut system = Self {
             grid: grid.clone(),
             settings: settings.clone(),
@@ -186,6 +191,7 @@ impl<const D: usize> System<D> {
             handles: problem.handles.to_vec(),
             terms,
             branching: branching.map(Arc::new),
+            snapped,
             is_active: Vec::new(),
             barrier,
             stiffness,
@@ -455,7 +461,14 @@ impl<const D: usize> System<D> {
             Some(branches) => branches.lattice(0),
             None => Lattice { grid: self.grid.clone(), handles: run.handles },
         };
-        let pin_errors: Vec<f64> = pins.iter().map(|pin| self.pin_error(&lattice, branches.as_ref(), pin)).collect();
+        let held = self.held(pins);
+        let pin_errors: Vec<f64> = match (&self.branching, &branches) {
+            (Some(branching), Some(branches)) => {
+                let image = |k: usize| branches.evaluate_in(branching.branch_of(self.snapped[k].1), held[k].at);
+                held.iter().enumerate().map(|(k, pin)| distance(&image(k), &pin.target)).collect()
+            }
+            _ => pins.iter().map(|pin| self.pin_error(&lattice, pin)).collect(),
+        };
         let evidence = Evidence {
             pins,
             settings: &self.settings,
@@ -517,10 +530,10 @@ impl<const D: usize> System<D> {
         self.branching.as_ref().map_or_else(|| self.grid.rest_handles(), |branching| branching.rest())
     }
 
-    /// Returns the pins with the points that they hold on the shape.
+    /// Returns the pins of the problem, with other targets, at the points that they hold on the shape.
     fn held<'a>(&self, pins: &'a [PointPin<D>]) -> Cow<'a, [PointPin<D>]> {
         match &self.branching {
-            Some(branching) => pins.iter().map(|pin| branching.snapped_pin(pin).0).collect(),
+            Some(_) => pins.iter().zip(&self.snapped).map(|(pin, (at, _))| pin.moved_to(*at)).collect(),
             None => Cow::Borrowed(pins),
         }
     }
@@ -541,11 +554,7 @@ impl<const D: usize> System<D> {
         }
     }
 
-    fn pin_error(&self, lattice: &Lattice<D>, branches: Option<&BranchedLattice<D>>, pin: &PointPin<D>) -> f64 {
-        if let (Some(branching), Some(branches)) = (&self.branching, branches) {
-            let (held, piece) = branching.snapped_pin(pin);
-            return distance(&branches.evaluate_in(branching.branch_of(piece), held.at), &held.target);
-        }
+    fn pin_error(&self, lattice: &Lattice<D>, pin: &PointPin<D>) -> f64 {
         let target = pins::held_target(&self.grid, pin, &self.settings);
         let held = pins::held_point(&self.grid, pin, &self.settings);
         distance(&lattice.evaluate(held), &target)

@@ -13,7 +13,8 @@ impl<const D: usize> BranchedLattice<D> {
     #[must_use]
     pub(crate) fn folds(&self) -> Folds<D> {
         let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: f64::INFINITY };
-        for own in (0..self.branch_count()).map(|branch| self.folds_of(branch)) {
+        for branch in 0..self.branch_count() {
+            let own = self.folds_below(branch, folds.min_det);
             folds.cells.extend(own.cells);
             folds.active_count += own.active_count;
             folds.min_det = folds.min_det.min(own.min_det);
@@ -24,12 +25,17 @@ impl<const D: usize> BranchedLattice<D> {
     /// The folds of a branch, in the cells in which its own part of the shape folds.
     #[must_use]
     pub(crate) fn folds_of(&self, branch: usize) -> Folds<D> {
+        self.folds_below(branch, f64::INFINITY)
+    }
+
+    /// Same as [`Self::folds_of`]; `min_det` is tight only if it may be less than `wanted`.
+    fn folds_below(&self, branch: usize, wanted: f64) -> Folds<D> {
         let Branching { grid, width, cuts, pieces, branch_of, .. } = self.branching.as_ref();
         let lattice = self.lattice(branch);
         let mut is_active = vec![false; grid.cell_count()];
         let own = pieces.list.iter().zip(branch_of).filter(|(_, of)| **of == branch);
         own.for_each(|(piece, _)| is_active[piece.cell] = true);
-        let whole = lattice.folds(&is_active);
+        let whole = lattice.active_folds(&is_active, wanted);
         if whole.active_count == 0 {
             return Folds { cells: Vec::new(), ..whole };
         }
@@ -37,8 +43,8 @@ impl<const D: usize> BranchedLattice<D> {
         let number = |place: &[usize; D]| {
             (0..D).rev().fold(0, |cell, axis| cell * grid.basis.spans(grid.dims[axis]) + place[axis] - margin)
         };
-        let folded = whole.cells.iter().map(number).filter(|&cell| is_active[cell]);
-        let mut parts: BTreeMap<usize, Vec<Polygon<D>>> = folded.map(|cell| (cell, Vec::new())).collect();
+        let mut parts: BTreeMap<usize, Vec<Polygon<D>>> =
+            whole.cells.iter().map(|place| (number(place), Vec::new())).collect();
         for (cut, &piece) in cuts.iter().zip(&pieces.of_cuts) {
             if branch_of[piece] == branch
                 && let Some(polygons) = parts.get_mut(&cut.cell)
@@ -52,10 +58,11 @@ impl<const D: usize> BranchedLattice<D> {
         }
         parts.keys().for_each(|&cell| is_active[cell] = false);
         // The bound over whole cells is tight only without the folded ones.
-        let others = if is_active.contains(&true) { lattice.folds(&is_active).min_det } else { f64::INFINITY };
+        let others =
+            if is_active.contains(&true) { lattice.active_folds(&is_active, wanted).min_det } else { f64::INFINITY };
         let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: others };
         for (cell, part) in parts {
-            let least = lattice.min_in_part((cell, *width), (part, folds.min_det), halves);
+            let least = lattice.min_in_part((cell, *width), (part, folds.min_det.min(wanted)), halves);
             if least <= 0.0 {
                 folds.cells.push(grid.cell_coords(cell).map(|place| place + margin));
                 folds.active_count += 1;

@@ -185,8 +185,7 @@ impl<const D: usize> Branching<D> {
     /// displacement.
     pub(crate) fn snapped_pin(&self, pin: &PointPin<D>) -> (PointPin<D>, usize) {
         let (at, piece) = self.snapped_point(pin.at, pin.triangle);
-        let target = std::array::from_fn(|d| pin.target[d] + at[d] - pin.at[d]);
-        (PointPin { at, target, ..*pin }, piece)
+        (pin.moved_to(at), piece)
     }
 
     /// The point of the given triangle, or else of the shape, that is nearest to a point, and its piece.
