@@ -50,7 +50,7 @@ use adjacency::Adjacency;
 use cell_parts::CellParts;
 use copies::{Tie, copies, handles_of_cell};
 use cuts::{Cut, cuts};
-use nearest_point::nearest_of_triangle;
+use nearest_point::{nearest_of_triangle, squared_distance_to_box};
 use pieces::Pieces;
 use std::ops::Range;
 use support_box::cell_at;
@@ -249,6 +249,9 @@ impl<const D: usize> Branching<D> {
     fn nearest(&self, point: [f64; D]) -> ([f64; D], usize) {
         let mut best = (f64::INFINITY, point, 0);
         for (triangle, corners) in self.triangles.iter().enumerate() {
+            if squared_distance_to_box(&point, corners) >= best.0 {
+                continue;
+            }
             let on = nearest_of_triangle(&point, corners);
             let square: f64 = (0..D).map(|d| (on[d] - point[d]).powi(2)).sum();
             if square < best.0 {

@@ -11,6 +11,15 @@ pub(super) fn nearest_of_triangle<const D: usize>(point: &[f64; D], corners: &[[
     std::array::from_fn(|d| a[d] + v * (b[d] - a[d]) + w * (c[d] - a[d]))
 }
 
+/// The squared distance of a point from the bounding box of a triangle.
+pub(super) fn squared_distance_to_box<const D: usize>(point: &[f64; D], [a, b, c]: &[[f64; D]; 3]) -> f64 {
+    let outside = |d: usize| {
+        let (low, high) = (a[d].min(b[d]).min(c[d]), a[d].max(b[d]).max(c[d]));
+        (low - point[d]).max(point[d] - high).max(0.0)
+    };
+    (0..D).map(|d| outside(d).powi(2)).sum()
+}
+
 /// Barycentric coordinates of the point of a triangle that is nearest to a point (C. Ericson, "Real-Time Collision Detection", 2005,
 /// section 5.1.5).
 pub(crate) fn nearest_barycentric<const D: usize>(point: &[f64; D], [a, b, c]: &[[f64; D]; 3]) -> [f64; 3] {
