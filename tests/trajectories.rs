@@ -205,6 +205,23 @@ fn a_trajectory_of_random_limbs_has_no_jumps() {
     assert!(hasty * 200 <= steps, "{hasty} of {steps} steps are hasty");
 }
 
+/// The barrier acts over time, too: limbs that would fold neither fold nor jump.
+#[test]
+fn guarded_limbs_neither_fold_nor_jump() {
+    let folds = |limb: &Limb| {
+        let trajectory = Trajectory::solve(limb, coupling(WEIGHT), &Cancel::never()).expect("solved");
+        let at_frame = |frame: i32| at(limb, &trajectory, f64::from(frame)).report.folded_model_cells;
+        (0..=LAST as i32).map(at_frame).sum::<usize>()
+    };
+    let limbs: Vec<Limb> = (0..30).map(|seed| Limb::random(seed, 0.3, LAST)).filter(|limb| folds(limb) > 0).collect();
+    eprintln!("{} of 30 limbs fold without the barrier", limbs.len());
+    assert!(limbs.len() >= 3, "these limbs are no test of folds");
+    for limb in limbs.into_iter().take(6).map(Limb::guarded) {
+        let (folded, Finding { jump, .. }) = (folds(&limb), look(&limb, WEIGHT));
+        assert!(folded == 0 && jump <= 1.0, "{folded} cells fold, {jump} px");
+    }
+}
+
 #[test]
 fn an_elbow_and_a_turned_arm_do_not_snap() {
     for (name, limb) in [("elbow", elbow()), ("turned arm", turned_arm())] {

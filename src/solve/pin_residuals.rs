@@ -9,7 +9,7 @@ use super::yielding::YieldingPair;
 use serde::Serialize;
 
 /// Residuals below this fraction of the box diagonal are ignored: a fiftieth of a pixel where the box fills 1080 lines.
-const MIN_RESIDUAL: f64 = 1e-5;
+pub(super) const MIN_RESIDUAL: f64 = 1e-5;
 
 /// A pin that misses its target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -11,9 +11,9 @@ use super::error::SolveError;
 use super::least_squares::LeastSquaresRows;
 use super::linalg::factorization::Factorization;
 use super::linalg::normal_matrix::NormalMatrix;
-use super::linalg::small_matrix::distance;
+use super::linalg::small_matrix::{distance, dot};
 use super::minimization::{FinalPhase, Minimization, MinimizationResult};
-use super::pin_residuals::Evidence;
+use super::pin_residuals::{Evidence, MIN_RESIDUAL};
 use super::point_weights::PointWeights;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
 use super::problem::{HandlePin, ModelPoint, PointPin, Problem, Shape};
@@ -271,8 +271,11 @@ impl<const D: usize> System<D> {
     }
 
     /// Whether the second derivative of the energy with a proximal term of the given weights is positive definite at `handles`.
-    /// True if the energy does not implement its second derivative.
+    /// True if the energy does not implement its second derivative, false where the barrier acts.
     pub(crate) fn is_convex(&self, handles: &[[f64; D]], weights: &PointWeights, cancel: &Cancel) -> bool {
+        if self.barrier.as_ref().is_some_and(|barrier| !barrier.is_clear(handles)) {
+            return false;
+        }
         if self.distortion.flops().is_none() || self.terms.proximal.len() == 0 {
             return true;
         }
@@ -284,6 +287,16 @@ impl<const D: usize> System<D> {
         let hessian = RotationHessian { scale: self.scales.shape, limit: f64::INFINITY };
         self.distortion.subtract_rotation_hessian(handles, hessian, &mut second, cancel);
         Factorization::of_positive(second, cancel).is_some()
+    }
+
+    /// Whether the barrier acts on a state that misses the target of a pin or moved handle.
+    pub(crate) fn gives_way(&self, unknowns: &[[f64; D]]) -> bool {
+        let misses = |rows: &LeastSquaresRows<D>| {
+            let residuals = (0..rows.len()).map(|row| rows.residual(row, unknowns));
+            residuals.map(|by| dot(&by, &by).sqrt()).any(|residual| residual > MIN_RESIDUAL * self.grid.diagonal())
+        };
+        self.barrier.as_ref().is_some_and(|barrier| !barrier.is_clear(unknowns))
+            && [self.terms.acting_pins(), &self.terms.handles].into_iter().any(misses)
     }
 
     /// Names of the unknowns, which identify them at any time; empty if every handle is one unknown.

@@ -3,7 +3,7 @@
 //! In: a seed. Out: the problem at any time, in frame heights. The same seed gives the same animation everywhere.
 
 use pinwarp::lattice::{Basis, Grid};
-use pinwarp::solve::{ModelPoint, PointPin, Settings, Shape, SolveError, Targets, TimedProblem, Timeline};
+use pinwarp::solve::{Guard, ModelPoint, PointPin, Settings, Shape, SolveError, Targets, TimedProblem, Timeline};
 
 /// One pixel at 1080 lines.
 pub(crate) const PIXEL: f64 = 1.0 / 1080.0;
@@ -93,6 +93,12 @@ impl Limb {
             angle: 0.0,
         };
         Self { keys, is_pinned, rest, grid, shape, settings: Settings::default(), window: usize::MAX }
+    }
+
+    /// The same limb, with the barrier against folds.
+    pub(crate) fn guarded(mut self) -> Self {
+        self.settings.guard = Guard::Limit;
+        self
     }
 
     /// Pins at a time.

@@ -14,7 +14,7 @@ pub(super) mod world_timeline;
 use crate::pipeline::evaluate::screen_layer::border_rests;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::shot::LayerSpace;
-use crate::solve::{Cancel, Coupling, Guard, Settings, SolveError, Spread, Timeline, Trajectory};
+use crate::solve::{Cancel, Coupling, SolveError, Spread, Timeline, Trajectory};
 use layer_timeline::{KNOTS_PER_FRAME, LayerTimeline, Watcher, first_knot};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,9 +40,7 @@ impl PreparedShot {
 pub(in crate::pipeline) fn has_trajectory(prepared: &PreparedShot, index: usize) -> bool {
     let layer = &prepared.shot.layers[index];
     let is_moved = !layer.pins.is_empty() || !layer.handles.is_empty();
-    let Settings { temporal, guard, .. } = layer.settings;
-    temporal > 0.0
-        && guard == Guard::Report
+    layer.settings.temporal > 0.0
         && is_moved
         && prepared.layer_inputs.loaded[index].is_none()
         // Layers with a resting border use compliant settings and a correction that depends on the pins of one frame.

@@ -168,11 +168,12 @@ impl<const D: usize> Knot<D> {
     /// Same as [`Self::start_from`], returned as the result of a solve.
     pub(crate) fn at(&mut self, state: &Displacement<D>) -> MinimizationResult<D> {
         self.start_from(state);
+        let handles = self.handles();
         MinimizationResult {
-            handles: self.handles(),
+            has_given_way: self.system.gives_way(&handles),
+            handles,
             iterations: 0,
             is_converged: true,
-            has_given_way: false,
             is_minimum: None,
             energy: None,
         }
