@@ -166,6 +166,22 @@ fn branching_lattices_need_a_shape_and_local_handles() {
             "pin[0].order[1].frame",
             "does not come after",
         ),
+        (
+            "image = 'a.png'",
+            "lattice = { space = 'world', topology = 'branching' }\n[[layer.pin]]\n\
+             anchor = { screen = [0, 0], frame = 1 }\norder = 1",
+            "pin[0].order",
+            "on the screen only",
+        ),
+        ("image = 'a.png'", "lattice.cuts = [{ ids = { file = 'i.png' }, order = 1 }]", "cuts[0].order", "is chosen"),
+        ("image = 'a.png'", "lattice.cuts = [{ regions = {}, order = 1 }]", "cuts[0].order", "is chosen"),
+        ("scene = 'a.glb'", "lattice.cuts = [{ nodes = ['Arm'], order = 1 }]", "cuts[0].order", "by their depth"),
+        (
+            "image = 'a.png'",
+            "lattice.cuts = [{ mask = { file = 'm.png' }, order = [{ frame = 2, value = 1 }, { frame = 1, value = 0 }] }]",
+            "cuts[0].order[1].frame",
+            "does not come after",
+        ),
         ("image = 'a.png'", "lattice = { topology = 'plain', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),
         ("image = 'a.png'", "lattice = { basis = 'bernstein', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),
         ("scene = 'a.glb'", "lattice = { topology = 'branching', cuts = [[[0, 0], [1, 1]]] }", "cuts[0]", "frame = 1"),

@@ -4,8 +4,8 @@
 
 use super::{Check, Kind, LayerDefaults};
 use crate::shot::connectivity::{CutSurface, ISLAND_RADIUS};
-use crate::shot::raw::{RawCut, RawLattice, RawPartCut};
-use crate::shot::{Connectivity, Cut};
+use crate::shot::raw::{RawCut, RawLattice, RawPartCut, RawSpace};
+use crate::shot::{Connectivity, Cut, OrderKey};
 use crate::solve::Topology;
 
 impl Check<'_> {
@@ -26,9 +26,30 @@ impl Check<'_> {
             let what = "only a `scene` has nodes that can be joined";
             self.fault(&format!("{key}.joins"), what, "remove `joins`; a picture hangs together where it is painted");
         }
-        let cuts = raw.cuts.iter().enumerate();
-        let cuts = cuts.map(|(number, cut)| self.cut(cut, &format!("{key}.cuts[{number}]"), shot)).collect();
-        Connectivity { cuts, joins: raw.joins.clone(), island_radius: raw.island_radius.unwrap_or(ISLAND_RADIUS) }
+        let mut cuts = Vec::with_capacity(raw.cuts.len());
+        let mut orders = Vec::with_capacity(raw.cuts.len());
+        for (number, raw) in raw.cuts.iter().enumerate() {
+            let key = format!("{key}.cuts[{number}]");
+            let cut = self.cut(raw, &key, shot);
+            orders.push(self.order_of_part((raw, &cut), &format!("{key}.order"), shot));
+            cuts.push(cut);
+        }
+        let island_radius = raw.island_radius.unwrap_or(ISLAND_RADIUS);
+        Connectivity { cuts, orders, joins: raw.joins.clone(), island_radius }
+    }
+
+    /// Returns the order of the part that a cut chooses.
+    fn order_of_part(&mut self, (raw, cut): (&RawCut, &Cut), key: &str, shot: &LayerDefaults) -> Vec<OrderKey> {
+        let RawCut::Part(part) = raw else { return Vec::new() };
+        if part.order.is_some() && shot.source == Kind::Images {
+            if !cut.chooses_part() {
+                let hint = "choose a part by `mask`, by ids with `cryptomatte` or `values`, or by regions with `at`, or give pins an order";
+                self.fault(key, "this cut has several parts, and none of them is chosen", hint);
+            } else if shot.space == RawSpace::World {
+                self.fault(key, "it acts on lattices on the screen only", "remove it or space = \"world\"");
+            }
+        }
+        self.order(part.order.as_ref(), key, shot)
     }
 
     fn cut(&mut self, raw: &RawCut, key: &str, shot: &LayerDefaults) -> Cut {

@@ -45,11 +45,11 @@ impl Check<'_> {
         let pins = self.pins(raw.pin, &key, shot);
         let (stiffness, strokes) = self.stiffness(raw.stiffness, &key);
         if let Some(pin) = pins.iter().position(|pin| !pin.order.is_empty())
-            && topology == Topology::Plain
+            && (topology == Topology::Plain || shot.space == RawSpace::World)
             && shot.source == Kind::Images
         {
-            let hint = "add topology = \"branching\" to `lattice`";
-            self.fault(&format!("{key}.pin[{pin}].order"), "it acts on branching lattices only", hint);
+            let hint = "add topology = \"branching\" to `lattice`, without space = \"world\"";
+            self.fault(&format!("{key}.pin[{pin}].order"), "it acts on branching lattices on the screen only", hint);
         }
         Layer {
             nodes,

@@ -7,6 +7,7 @@ mod camera;
 mod connectivity;
 mod image;
 mod layer;
+mod order;
 mod plate;
 mod select;
 
@@ -14,6 +15,7 @@ pub(super) use camera::*;
 pub(super) use connectivity::*;
 pub(super) use image::*;
 pub(super) use layer::*;
+pub(super) use order::*;
 pub(super) use plate::*;
 pub(super) use select::*;
 
