@@ -2,6 +2,7 @@
 //!
 //! In: raw layers. Out: [`Layer`]s, with the shot's step and strength applied.
 
+use super::connectivity::SHAPE_HINT;
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::MAX_HANDLES_IN_ALL;
@@ -45,11 +46,11 @@ impl Check<'_> {
         let pins = self.pins(raw.pin, &key, shot);
         let (stiffness, strokes) = self.stiffness(raw.stiffness, &key);
         if let Some(pin) = pins.iter().position(|pin| !pin.order.is_empty())
-            && (topology == Topology::Plain || shot.space == RawSpace::World)
+            && topology == Topology::Plain
             && shot.source == Kind::Images
         {
-            let hint = "add topology = \"branching\" to `lattice`, without space = \"world\"";
-            self.fault(&format!("{key}.pin[{pin}].order"), "it acts on branching lattices on the screen only", hint);
+            let hint = "add topology = \"branching\" to `lattice`";
+            self.fault(&format!("{key}.pin[{pin}].order"), "it acts on branching lattices only", hint);
         }
         Layer {
             nodes,
@@ -224,7 +225,7 @@ impl Check<'_> {
     /// and scenes branch where they can.
     fn topology(&mut self, raw: &RawLayer, (settings, shot): (&Settings, &LayerDefaults), key: &str) -> Topology {
         let faults = [
-            (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
+            (shot.source == Kind::Frame, "needs a shape", SHAPE_HINT),
             (
                 !raw.lattice.basis.can_branch(),
                 "needs a basis with local support and no diagonals",

@@ -34,7 +34,8 @@ pub(super) struct RawShot {
     /// The glTF scene (.gltf or .glb), relative to the shot file. Required without `image` and `plate`.
     #[schemars(length(min = 1), example = &"scene.glb")]
     pub(super) scene: Option<String>,
-    /// Replaces the scene with a picture (PNG, JPEG, EXR), or several of one size from back to front, relative to the shot file.
+    /// Replaces the scene with a picture (PNG, JPEG, EXR), or several of one size from back to front, relative to the shot file. Beside
+    /// `plate`, its reference frame.
     #[schemars(example = &"girl.png")]
     pub(super) image: Option<RawImage>,
     /// Finished frames that `pinwarp warp` warps, relative to the shot file, with #### or %04d for the frame number.
