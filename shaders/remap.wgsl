@@ -111,13 +111,17 @@ fn texel_at(place: vec2<i32>) -> vec4<f32> {
     return bitcast<vec4<f32>>(select(finite, vec4<u32>(0u), is_nan));
 }
 
+/// Distance in pixels over which a border may be pulled into the picture and still counts as resting.
+const RESTING: f32 = 0.001953125;
+
 /// Fraction of a pixel inside those borders at which the picture ends, 0 to 1.
 fn coverage(place: Place) -> f32 {
     let sample = vec2<f32>(place.sample);
     let before = select(vec2<f32>(1.0), sample + 1.0 + place.fraction, push.goes_on_before == vec2<u32>(1u));
     let rest = vec2<f32>(push.count) - sample - place.fraction;
     let after = select(vec2<f32>(1.0), rest, push.goes_on_after == vec2<u32>(1u));
-    let both = clamp(min(before, after), vec2<f32>(0.0), vec2<f32>(1.0));
+    let inside = clamp(min(before, after), vec2<f32>(0.0), vec2<f32>(1.0));
+    let both = max(inside, min(2.0 * inside - (1.0 - 2.0 * RESTING), vec2<f32>(1.0)));
     return both.x * both.y;
 }
 

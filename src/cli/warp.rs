@@ -77,7 +77,7 @@ fn output(args: &WarpArgs, shot: Option<&Shot>) -> anyhow::Result<PathBuf> {
     let of_shot = || shot.filter(|shot| shot.source == Source::Frame).map(|shot| shot.output.path.clone());
     let output = args.output.clone().or_else(of_shot);
     output.context(
-        "the shot's output is for frames rendered from its scene; say where warped ones go: -o warped.####.exr",
+        "the shot's output is for frames rendered from its scene or pictures; say where warped ones go: -o warped.####.exr",
     )
 }
 

@@ -1,6 +1,7 @@
 //! Cuts and joins between the parts of a layer, for branching lattices.
 
 use super::Selection;
+use super::order::OrderKey;
 use crate::plate::Matte;
 use std::path::PathBuf;
 
@@ -18,6 +19,8 @@ pub(super) const CONTRAST: f64 = 0.25;
 pub struct Connectivity {
     /// Cuts, in the order of the shot.
     pub cuts: Vec<Cut>,
+    /// One per cut: the order in depth of the part that it chooses; empty: that of the part's pins.
+    pub(crate) orders: Vec<Vec<OrderKey>>,
     /// Manual joins: pairs of patterns of node names (`*` and `?`), including their subtrees.
     pub joins: Vec<[String; 2]>,
     /// Islands (eyes, buttons, hair cards) are attached to the nearest part at rest, up to this distance in diagonals
@@ -106,6 +109,14 @@ impl Cut {
         }
     }
 
+    /// Whether it separates one part of a picture, which it chooses, from everything else.
+    pub(super) fn chooses_part(&self) -> bool {
+        match self {
+            Self::Stroke(_) | Self::SceneStroke { .. } => false,
+            Self::Part { .. } | Self::Ids(_) | Self::Regions(_) => !self.is_division(),
+        }
+    }
+
     /// Returns the file that the cut reads, with its key in the cut: `mask.file`.
     pub(crate) fn file(&self) -> Option<(&'static str, &PathBuf)> {
         match self {
@@ -130,6 +141,6 @@ impl Cut {
 impl Default for Connectivity {
     /// No manual cuts or joins.
     fn default() -> Self {
-        Self { cuts: Vec::new(), joins: Vec::new(), island_radius: ISLAND_RADIUS }
+        Self { cuts: Vec::new(), orders: Vec::new(), joins: Vec::new(), island_radius: ISLAND_RADIUS }
     }
 }

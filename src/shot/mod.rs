@@ -20,6 +20,7 @@ mod lines;
 mod model;
 #[cfg(feature = "cli")]
 mod only_layers;
+mod order;
 mod range;
 mod raw;
 mod schema;
@@ -34,6 +35,8 @@ pub use error::ShotError;
 pub(crate) use hash::digest;
 pub use lines::KeyLines;
 pub use model::*;
+pub use order::OrderKey;
+pub(crate) use order::order_at;
 pub use schema::schema;
 pub use selection::{ColorChannel, PaintedMask, Selection};
 

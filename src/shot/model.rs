@@ -2,6 +2,7 @@
 //!
 //! In: what [`super::check`] accepted. Out: types only, no rules.
 
+use super::order::OrderKey;
 use super::{CameraRule, ColorChannel, Connectivity, KeyLines, Selection, Visibility};
 use crate::image::Compression;
 use crate::lattice::Basis;
@@ -358,24 +359,6 @@ pub struct Pin {
     pub order: Vec<OrderKey>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
-}
-
-impl Pin {
-    /// Returns the order at a (fractional) frame.
-    #[must_use]
-    pub(crate) fn order_at(&self, frame: f64) -> i32 {
-        let before = self.order.partition_point(|key| key.frame <= frame);
-        self.order.get(before.saturating_sub(1)).map_or(0, |key| key.value)
-    }
-}
-
-/// A key of a pin's order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrderKey {
-    /// Its frame.
-    pub frame: f64,
-    /// The order from this frame on.
-    pub value: i32,
 }
 
 /// The region that a pin carries.

@@ -2,12 +2,12 @@
 //!
 //! In: a [`Shot`]. Out: notes for the user.
 
-use super::{Anchor, FrameRange, Layer, Shot};
+use super::{Anchor, Cut, FrameRange, Layer, Shot};
 use crate::spelling::pluralised;
 
 impl Shot {
-    /// Returns one note for each layer with keys outside the frames of the shot, and for each pin anchored in a frame
-    /// outside.
+    /// Returns one note for each layer with keys outside the frames of the shot, for each pin anchored in a frame outside, and
+    /// for each stroke drawn over one.
     #[must_use]
     pub(crate) fn range_notes(&self) -> Vec<String> {
         self.layers.iter().flat_map(|layer| notes_of(layer, self.frames)).collect()
@@ -24,6 +24,16 @@ fn notes_of(layer: &Layer, frames: FrameRange) -> Vec<String> {
             notes.push(format!(
                 "layer '{}': pin '{}' is anchored in frame {frame}, outside the shot's frames {first} to {last}",
                 layer.name, pin.name
+            ));
+        }
+    }
+    for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
+        if let Cut::SceneStroke { frame, .. } = cut
+            && !(first..=last).contains(frame)
+        {
+            notes.push(format!(
+                "layer '{}': the stroke of cuts[{number}] is drawn over frame {frame}, outside the shot's frames {first} to {last}",
+                layer.name
             ));
         }
     }

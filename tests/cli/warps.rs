@@ -324,6 +324,42 @@ fn a_layer_of_all_nodes_leaves_the_background_on_request() {
     pictures.run("warp --shot shot.toml").says(2, &["matte", "those of a scene"]);
 }
 
+/// A plate of one thing over nothing comes apart where its reference frame is cut.
+#[test]
+fn a_plate_comes_apart_by_its_reference_frame() {
+    let shot = |image: &str, cuts: &str| {
+        let pin = |x: f64, y: f64, dx: f64| {
+            let [x, y, dx] = [x, y, dx].map(|pixels| pixels / 64.0);
+            format!(
+                "[[layer.pin]]\nanchor = {{ screen = [{x}, {y}], frame = 1 }}\nkeys = [{{ frame = 1, offset = [{dx}, 0.0] }}]\n"
+            )
+        };
+        let pins = [pin(15.0, 15.0, 0.0), pin(15.0, 48.0, 0.0), pin(35.0, 30.0, 0.0), pin(50.0, 30.0, 20.0)].concat();
+        let layer = format!("matte = \"alpha\"\nlattice = {{ dims = [24, 24], cuts = [{cuts}] }}\n{pins}");
+        format!(
+            "version = 1\n{image}plate = \"in/a.####.png\"\nframes = {{ first = 1, last = 2 }}\nsize = [96, 64]\n[[layer]]\n{layer}"
+        )
+    };
+    let (reference, stroke) = ("image = \"in/a.0001.png\"\n", "[[0.625, 0.0], [0.625, 1.0]]");
+    let bench = Bench::with_shot(&shot("", stroke));
+    std::fs::create_dir(bench.path("in")).expect("a folder");
+    let save = |name: &str, pixel: &dyn Fn(u32) -> [u8; 4]| {
+        let is_thing = |x: u32, y: u32| (10..56).contains(&x) && (10..54).contains(&y);
+        let pixel = |x, y| image::Rgba(if is_thing(x, y) { pixel(x) } else { [0; 4] });
+        image::RgbaImage::from_fn(96, 64, pixel).save(bench.path(name)).expect("saved");
+    };
+    ["in/a.0001.png", "in/a.0002.png"].iter().for_each(|name| save(name, &|_| [200, 100, 50, 255]));
+    save("ids.png", &|x| if x < 40 { [255, 0, 0, 255] } else { [0, 0, 255, 255] });
+    bench.run("warp --shot shot.toml -o w.####.png").says(2, &["lattice.cuts[0]", "reference frame of the plate"]);
+    for (cuts, comes_apart) in [("", false), (stroke, true), ("{ ids = { file = \"ids.png\" } }", true)] {
+        bench.write("shot.toml", shot(reference, cuts).as_bytes());
+        bench.run("warp --shot shot.toml -o w.####.png --overwrite").says(0, &[]);
+        let warped = image::open(bench.path("w.0002.png")).expect("a picture").to_rgba8();
+        let uncovered = (10..54).filter(|&y| warped.get_pixel(48, y)[3] < 10).count();
+        assert!(if comes_apart { uncovered > 36 } else { uncovered < 14 }, "{cuts}: {uncovered} of 44 rows");
+    }
+}
+
 #[test]
 fn misspelt_names_are_refused_at_once() {
     let bench = bench(SHOT);

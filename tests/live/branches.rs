@@ -2,13 +2,13 @@
 
 use pinwarp::image::{Frame, read_exr};
 use pinwarp::live::{
-    Alpha, Controls, Mix, OwnPins, Picture, Render, ShapeSource, ShotShape, Warp, render, stmap, warp,
+    Alpha, Controls, Mix, OwnPins, Picture, Pin, Render, ShapeSource, ShotShape, Warp, render, stmap, warp,
 };
 use pinwarp::pipeline::{PreparedShot, RenderOptions};
 use pinwarp::plate::Filter;
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
-use pinwarp::space::{FrameSize, PixelRect};
+use pinwarp::space::{FrameSize, PixelRect, ScreenPoint};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -116,4 +116,52 @@ fn planes_of_map(warp: &Warp, source: &Picture, size: FrameSize) -> Vec<Vec<f32>
     };
     let planes = source.planes.iter();
     planes.map(|plane| (0..window.area()).map(|pixel| sample(plane, pixel)).collect()).collect()
+}
+
+/// An arm that is cut from the body, laid over it, in front or behind as the pin of the shot says, whoever moves it.
+#[test]
+fn the_order_of_the_pins_of_a_shot_acts_whoever_moves_them() {
+    const SIZE: FrameSize = FrameSize::new(96, 64);
+    let folder = tempfile::tempdir().expect("a folder");
+    let code =
+        |x: u32, y: u32, columns: std::ops::Range<u32>| 255 * u8::from(columns.contains(&x) && (10..54).contains(&y));
+    let pixel = |x: u32, y: u32| image::Rgba([code(x, y, 10..40), 0, code(x, y, 40..56), code(x, y, 10..56)]);
+    let picture = image::RgbaImage::from_fn(96, 64, pixel);
+    picture.save(folder.path().join("arm.png")).expect("saved");
+    let source: Vec<Vec<f32>> =
+        (0..4).map(|plane| picture.pixels().map(|pixel| f32::from(pixel[plane]) / 255.0).collect()).collect();
+    let place = |x: f64, y: f64| ScreenPoint::new(x / 64.0, 1.0 - y / 64.0);
+    let (held, hand, by) = ([(15.0, 15.0), (15.0, 48.0), (35.0, 30.0)], (50.0, 40.0), -25.0);
+    let shot = |order: i32| {
+        let pin = |(x, y): (f64, f64), more: &str| {
+            let ScreenPoint(at) = place(x, y);
+            format!("[[layer.pin]]\nanchor = {{ screen = [{}, {}], frame = 1 }}\n{more}\n", at.x, at.y)
+        };
+        let moved = format!("order = {order}\nkeys = [{{ frame = 1, offset = [{}, 0.0] }}]", by / 64.0);
+        let pins = held.map(|at| pin(at, "")).concat() + &pin(hand, &moved);
+        let lattice = "{ dims = [24, 24], cuts = [[[0.625, 0.0], [0.625, 1.0]]] }";
+        let head = "version = 1\nimage = 'arm.png'\nframes = { first = 1, last = 2 }\n";
+        let path = folder.path().join(format!("{order}.toml"));
+        std::fs::write(&path, format!("{head}[[layer]]\nlattice = {lattice}\n{pins}")).expect("written");
+        path
+    };
+    let shows_arm = |order: i32, own_pins: OwnPins, moved: &[((f64, f64), f64)]| {
+        let shape = ShotShape { path: shot(order), camera: None, layer: None, frame: 1.0, pin_frame: 1, own_pins };
+        let pins = moved.iter().map(|&((x, y), by)| Pin::new(place(x, y), place(x + by, y))).collect();
+        let controls = Controls { dims: [24, 24], pins, ..Controls::default() };
+        let warp = warp(&controls, &ShapeSource::Shot(shape), SIZE).expect("solves");
+        let window = SIZE.window();
+        let planes = source.iter().map(|plane| &plane[..]).collect();
+        let seen = warped(&warp, &Picture { window, planes, alpha: Alpha::Premultiplied }, SIZE, window);
+        let [red, blue] = [0, 2].map(|plane| seen[plane][40 * 96 + 25]);
+        assert!((red - blue).abs() > 0.5, "red {red}, blue {blue}");
+        blue > red
+    };
+    for order in [-1, 1] {
+        assert_eq!(shows_arm(order, OwnPins::Act, &[]), order > 0, "its own pins");
+        assert_eq!(shows_arm(order, OwnPins::Act, &[((20.0, 30.0), 0.0)]), order > 0, "its own pins and another");
+        // The host lists its pins in another order.
+        let moved = [(hand, by), (held[0], 0.0), (held[1], 0.0), (held[2], 0.0)];
+        assert_eq!(shows_arm(order, OwnPins::LeftOut, &moved), order > 0, "the pins of the host");
+    }
 }

@@ -87,8 +87,11 @@ fn a_stroke_is_drawn_over_the_frame_that_it_names() {
     };
     // In half a second the border moves from 0.5 to 0.75.
     let stroke = |frame: i32| format!("cuts = [{{ stroke = [[0.75, 0.02], [0.75, 0.9]], frame = {frame} }}]");
-    let apart = border_moves(&moving(&stroke(13)).expect("a right shot"));
+    let outside = moving(&stroke(13)).expect("a right shot");
+    let apart = border_moves(&outside);
     assert!(apart < 0.5, "{apart}");
+    let note = "layer 'layer1': the stroke of cuts[0] is drawn over frame 13, outside the shot's frames 1 to 2";
+    assert!(outside.notes.iter().any(|told| told == note), "{:?}", outside.notes);
     let told = moving(&stroke(1)).expect_err("nothing is there");
     assert!(told.contains("cuts nothing in frame 1") && told.contains("cuts[0]"), "{told}");
 }

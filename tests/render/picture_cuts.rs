@@ -192,6 +192,36 @@ fn an_opaque_picture_tears_along_the_cut_and_not_along_its_triangles() {
     }
 }
 
+/// The part that a cut chooses is laid over the rest, or behind it, as its order says; an order of its own pin goes before.
+#[test]
+fn the_order_of_a_part_says_whether_it_is_in_front() {
+    let red = |x: f32| x * 0.02 - 0.3;
+    let wall = wall();
+    let held = [0.0; 2];
+    let body = pins(&[(18.0, 10.0, held), (38.0, 40.0, held), (28.0, 55.0, held)]);
+    let hand = pins(&[(55.0, 46.0, [-25.0, 0.0])]);
+    let is_in_front = |cut: &str, of_hand: &str, of_body: &str| {
+        let ordered = |pins: &str, order: &str| pins.replace("keys = ", &format!("{order}\nkeys = "));
+        let pins = ordered(&body, of_body) + &ordered(&hand, of_hand);
+        let (frame, _) = wall.render(wall.shot(&text_of("one.exr", cut, &pins)));
+        std::fs::remove_dir_all(wall.folder.path().join("out")).expect("frames were written");
+        // What is seen where the hand now is, and how far it is from the colours of body and arm.
+        let [body, arm] = [30.5, 55.5].map(|x| (at(&frame, "R", 30, 45) - red(x)).abs());
+        assert!(body.min(arm) < 0.1, "{cut}: {body} from the body, {arm} from the arm");
+        arm < body
+    };
+    let mask = |order: &str| format!("{{ mask = {{ file = 'arm.png' }}, {order} }}");
+    assert!(is_in_front(&mask("order = 1"), "", ""));
+    assert!(!is_in_front(&mask("order = -1"), "", ""));
+    assert!(is_in_front(&mask("order = [{ frame = 1, value = 2 }, { frame = 2, value = -1 }]"), "", ""));
+    for (order, wanted) in [(1, true), (-1, false)] {
+        let ids = format!("{{ ids = {{ file = 'ids.exr', id = 'id.object', values = [2] }}, order = {order} }}");
+        assert_eq!(is_in_front(&ids, "", ""), wanted, "{ids}");
+    }
+    assert!(!is_in_front(&mask("order = 1"), "", "order = 2"), "pins of the body say what of it is in front");
+    assert!(is_in_front(&mask("order = -1"), "order = 1", ""), "the pin of the part goes before");
+}
+
 /// The fault of a shot of a picture with these cuts.
 fn fault_of(image: &str, cuts: &str) -> String {
     let wall = wall();

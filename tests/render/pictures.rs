@@ -477,6 +477,31 @@ fn comparisons_are_plain_and_several_pictures_in_a_branching_layer_are_refused()
     assert_eq!(open.layers[0].settings.topology, Topology::Branching);
     let prepared = PreparedShot::new(open).expect("two pictures in one layer");
     assert_eq!(prepared.shot.layers[0].settings.topology, Topology::Plain);
+    // What acts on branches alone is not ignored there.
+    let plain = both.replace("lattice.topology = \"branching\"", "");
+    let order = format!("{plain}[[layer.pin]]\nanchor = {{ screen = [0.5, 0.5] }}\norder = 1\n");
+    let cut = format!("{plain}lattice.cuts = [[[0.5, 0.0], [0.5, 1.0]]]\n");
+    for (text, key) in [(order, "layer[0].pin[0].order"), (cut, "layer[0].lattice.cuts")] {
+        let told = wall.fault(wall.shot(&text));
+        assert!(told.contains(key) && told.contains("it has several pictures"), "{told}");
+    }
+}
+
+#[test]
+fn an_order_that_says_nothing_is_told() {
+    let wall = Wall::new();
+    wall.hang("disc.exr", SIZE, drawn(SIZE, "", disc(48.0, 32.0, 20.0)));
+    let text = "version = 1\nimage = \"disc.exr\"\n[[layer]]\nname = \"disc\"\n\
+                lattice = { dims = [5, 5], topology = \"branching\" }\n\
+                [[layer.pin]]\nanchor = { screen = [0.75, 0.5], frame = 1 }\norder = 1\n";
+    let warnings = |text: &str| {
+        let prepared = PreparedShot::new(wall.shot(text)).expect("the picture is there");
+        let sample = prepared.sample_at(1.0).expect("solvable");
+        pinwarp::pipeline::report(&prepared, 1, &sample).warnings
+    };
+    let is_told = |told: &String| told.contains("layer 'disc'") && told.contains("moves as one part");
+    assert!(warnings(text).iter().any(is_told), "{:?}", warnings(text));
+    assert!(!warnings(&text.replace("order = 1\n", "")).iter().any(is_told));
 }
 
 #[test]

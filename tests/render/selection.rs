@@ -332,6 +332,68 @@ fn the_knights_trunk_bends_at_his_hips_without_a_seam() {
     assert!(seen(1.0) > 200 && seen(2.0) > 200, "{} {}", seen(1.0), seen(2.0));
 }
 
+/// A layer: its name, its keys, and its pins with their moves.
+type PinnedLayer<'a> = (&'a str, &'a str, &'a [[[f64; 2]; 2]]);
+
+/// Checks that layers which bend where they meet leave no seam, whether their lattices are coarse, plain, or have branches of their own.
+fn no_seam_opens((scene, view): (&Path, &str), layers: &[PinnedLayer], least: usize) {
+    for (lattice, branches) in [
+        ("dims = [6, 6]", None),
+        ("dims = [24, 18], topology = \"plain\"", Some(0)),
+        ("dims = [24, 18], topology = \"branching\"", Some(layers.len())),
+    ] {
+        let layer = |(name, keys, pins): &PinnedLayer| {
+            let pins: String = pins.iter().map(|&[at, by]| pin(at, by)).collect();
+            format!("[[layer]]\nname = \"{name}\"\n{keys}\nlattice = {{ {lattice} }}\n{pins}")
+        };
+        let studio = studio(scene, view, &layers.iter().map(layer).collect::<String>());
+        let prepared = studio.prepared();
+        let sample = prepared.sample_at(1.0).expect("it is solved");
+        let solutions = sample.layers.iter().filter_map(|layer| layer.solution.as_ref());
+        let found = solutions.filter(|solution| solution.branches.is_some()).count();
+        assert!(branches.is_none_or(|branches| branches == found), "{lattice}: {found} layers branch");
+        no_vertex_comes_apart(&prepared, 1, least);
+        let mut still = studio.shot.clone();
+        still.layers.iter_mut().for_each(|layer| layer.pins.clear());
+        // Toes and fingers have gaps of a pixel between them; a seam is as long as the border of two layers.
+        let [warped, still] = [studio.frame(1), Studio::of_shot(still).frame(1)].map(|frame| holes(&frame));
+        assert!(warped < still + 30, "{lattice}: {warped} pixels are open, {still} at rest");
+    }
+}
+
+#[test]
+fn layers_of_one_mesh_that_bend_leave_no_seam_at_any_dims() {
+    if let Some(fox) = asset("gltf-samples/Fox.glb") {
+        let layers: &[PinnedLayer] = &[
+            ("head", "select = { joints = [\"b_Neck*\"] }", &[[FOX_HEAD, [0.0, 0.12]], [[0.3, 0.6], [0.0, 0.02]]]),
+            ("tail", "select = { joints = [\"b_Tail01*\"] }", &[[FOX_TAIL, [0.0, -0.12]], [[1.2, 0.3], [0.05, 0.0]]]),
+            (
+                "body",
+                "nodes = \"rest\"",
+                &[
+                    [[0.4, 0.3], [0.12, 0.06]],
+                    [[0.6, 0.6], [0.0, 0.0]],
+                    [[0.9, 0.3], [0.0, 0.05]],
+                    [[0.8, 0.5], [0.0, 0.0]],
+                ],
+            ),
+        ];
+        no_seam_opens((fox.as_path(), "side"), layers, 250);
+    }
+    if let Some(knight) = asset("kaykit/Knight.glb") {
+        let upper = "nodes = [\"Knight_*\"]\nselect = { joints = [\"spine\"] }";
+        let layers: &[PinnedLayer] = &[
+            (
+                "lower",
+                "nodes = [\"Knight_*\"]",
+                &[[[0.6, 0.1], [-0.1, 0.0]], [[0.8, 0.1], [0.0, 0.0]], [[0.6, 0.3], [0.0, 0.0]]],
+            ),
+            ("upper", upper, &[[[0.646, 0.4], [0.12, 0.08]], [[0.8, 0.5], [0.05, -0.1]], [[0.5, 0.5], [0.0, 0.0]]]),
+        ];
+        no_seam_opens((knight.as_path(), "front"), layers, 100);
+    }
+}
+
 /// Points of the fox in the unwarped picture.
 const FOX_HEAD: [f64; 2] = [0.19, 0.69];
 const FOX_TAIL: [f64; 2] = [1.1, 0.375];

@@ -75,7 +75,6 @@ fn faults_name_line_key_and_remedy() {
         (["[\"back.png\", \"girls/girl.exr\"]", "[]"], 1, "image", "at least 1"),
         (["[\"back.png\", \"girls/girl.exr\"]", "3"], 1, "image", "expected text in quotes or a list"),
         (["size ", "scene = \"a.glb\"\nsize "], 1, "image", "keep one of `image` and `scene`"),
-        (["size ", "plate = \"a.####.exr\"\nsize "], 1, "image", "keep one of `image` and `plate`"),
         (["image ", "images "], 1, "images", "did you mean `image`?"),
         (["nodes = ", "lattice.space = \"world\"\nnodes = "], 6, "layer[0].lattice.space", "pictures are flat"),
         (["size ", "warp.holes = \"geometry\"\nsize "], 3, "warp.holes", "has no scene that could fill holes"),
@@ -86,6 +85,15 @@ fn faults_name_line_key_and_remedy() {
         assert!(error.lines().any(|fault| fault.starts_with(&place) && fault.contains(says)), "{to}: {error}");
         assert!(!error.contains("scene: is missing"), "{error}");
     }
+}
+
+#[test]
+fn a_picture_beside_a_plate_is_its_reference_frame() {
+    let shot = parse(&replaced(PICTURES, "size ", "plate = \"a.####.exr\"\nsize ")).expect("a right shot");
+    assert!(matches!(&shot.source, Source::Images(images) if images.len() == 2), "{:?}", shot.source);
+    assert!(shot.plate.is_some_and(|plate| plate.ends_with("a.####.exr")));
+    let told = shot_with("plate = 'a.####.exr'", "lattice.cuts = [[[0, 0], [1, 1]]]").expect_err("no shape");
+    assert!(told.contains("layer[0].lattice.cuts[0]") && told.contains("a reference frame of the plate"), "{told}");
 }
 
 #[test]
@@ -164,6 +172,15 @@ fn branching_lattices_need_a_shape_and_local_handles() {
             "lattice.topology = 'branching'\n[[layer.pin]]\nanchor.screen = [0, 0]\n\
              order = [{ frame = 2, value = 1 }, { frame = 2, value = 0 }]",
             "pin[0].order[1].frame",
+            "does not come after",
+        ),
+        ("image = 'a.png'", "lattice.cuts = [{ ids = { file = 'i.png' }, order = 1 }]", "cuts[0].order", "is chosen"),
+        ("image = 'a.png'", "lattice.cuts = [{ regions = {}, order = 1 }]", "cuts[0].order", "is chosen"),
+        ("scene = 'a.glb'", "lattice.cuts = [{ nodes = ['Arm'], order = 1 }]", "cuts[0].order", "by their depth"),
+        (
+            "image = 'a.png'",
+            "lattice.cuts = [{ mask = { file = 'm.png' }, order = [{ frame = 2, value = 1 }, { frame = 1, value = 0 }] }]",
+            "cuts[0].order[1].frame",
             "does not come after",
         ),
         ("image = 'a.png'", "lattice = { topology = 'plain', cuts = [[[0, 0], [1, 1]]] }", "cuts", "branching"),

@@ -6,7 +6,7 @@ use super::stmap;
 use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::cli::outputs;
-use crate::export::nuke::{NukeScene, script};
+use crate::export::nuke::{LostBranches, NukeScene, script};
 use crate::image::replace_text;
 use crate::spelling::pluralised;
 use std::io::{self, Write};
@@ -23,9 +23,15 @@ pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let written = stmap::write(args, (&maps, prepared.as_deref()), &pattern)?;
     replace_text(&output, &text)?;
     stmap::print_written(&pattern, &written)?;
-    for layer in maps.lattices.layers.iter().filter(|layer| !layer.branches.is_empty()) {
-        let text = "branches: its grid holds the largest branch only, the STMap all of them";
-        writeln!(io::stderr(), "note: layer '{}' {text}", layer.name)?;
+    for layer in &maps.lattices.layers {
+        let Some(lost) = LostBranches::of(layer, maps.size) else { continue };
+        let remedy = "the STMap beside it holds all of them, `pinwarp warp` gives them soft edges, and --to gltf and blender bake them into \
+                      the meshes of a scene";
+        writeln!(
+            io::stderr(),
+            "note: layer '{}': its grid holds the largest branch only, {lost}; {remedy}",
+            layer.name
+        )?;
     }
     let grids = pluralised(maps.lattices.layers.len(), "grid", "grids");
     writeln!(io::stdout(), "wrote {}: an STMap and {grids} (GridWarp3, not verified in Nuke)", output.display())?;

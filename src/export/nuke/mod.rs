@@ -3,6 +3,9 @@
 //! In: screen lattices, and the STMap sequence beside the script. Out: the text of a .nk file.
 
 mod grid;
+mod lost_branches;
+
+pub(crate) use lost_branches::LostBranches;
 
 use super::{LatticeFile, Track};
 use crate::files::GENERATOR;
@@ -29,7 +32,7 @@ const HEAD: &str = "\
 # pinwarp_stmap: the warp of pinwarp itself, to the pixel; use this one for finals.
 # pinwarp_grid_*: the same lattices as grids to look at and to move by hand. Along grid lines of B-splines they agree,
 # between the lines Nuke blends in its own way, and outside the grids nothing moves. The grids were written without a
-# Nuke at hand: compare both branches before you trust them.
+# Nuke at hand: compare both branches before you trust them. A grid holds one branch of a lattice; its label says what it leaves out.
 ";
 
 /// Returns the text of the script.
@@ -62,11 +65,13 @@ pub fn script(scene: &NukeScene<'_>) -> String {
         let [source, destination] = [Side::Source, Side::Destination].map(|side| grid_knob(lattices, scene.size, side));
         let name: String = layer.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         let below = 100 + 100 * number;
+        let lost = LostBranches::of(layer, scene.size);
+        let label = lost.map_or_else(String::new, |lost| format!(" label \"largest branch only: {lost}\"\n"));
         write!(
             text,
             "GridWarp3 {{\n toolbar_visibility_src false\n source_grid_col {source}\n destination_grid_col \
-             {destination}\n grids_manually_moved true\n destination_grid_visible false\n name pinwarp_grid_{name}\n \
-             xpos 500\n ypos {below}\n}}\n"
+             {destination}\n grids_manually_moved true\n destination_grid_visible false\n name pinwarp_grid_{name}\n\
+             {label} xpos 500\n ypos {below}\n}}\n"
         )
         .expect("strings take all text");
     }
@@ -106,5 +111,17 @@ mod tests {
         assert!(places.is_sorted(), "{places:?}");
         let count = |brace: char| text.replace("\\{", "").replace("\\}", "").matches(brace).count();
         assert_eq!(count('{'), count('}'));
+        assert!(!text.contains("largest branch"), "{text}");
+    }
+
+    #[test]
+    fn the_label_of_a_grid_says_which_branches_it_leaves_out() {
+        let lattices =
+            &LatticeFile { frame_aspect: 2.0, rate: 24.0, layers: vec![lost_branches::tests::two_branches()] };
+        let stmap = "a.stmap.####.exr".to_owned();
+        let text = script(&NukeScene { lattices, stmap, frames: [1, 2], size: FrameSize::new(200, 100) });
+        let label =
+            "label \"largest branch only: in frame 2 it leaves out 1 branch, 5000 pixels (5000 around 1.25, 0.50)\"";
+        assert!(text.contains(label), "{text}");
     }
 }

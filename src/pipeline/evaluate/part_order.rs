@@ -2,15 +2,16 @@
 //!
 //! In: a [`PreparedShot`], a solved [`TimeSample`], and a layer whose lattice branches. Out: [`OrderedParts`].
 
-use super::part_triangle_ranges::held_triangle;
+use super::part_triangle_ranges::{PartTriangleRanges, held_triangle};
 use crate::pipeline::{PreparedShot, TimeSample};
+use crate::shot::order_at;
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;
 
 /// The pieces of a branch that have the same order. Sorts by order, then by branch with the largest branch first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::pipeline) struct OrderedPart {
-    /// Order of the pin nearest along the shape; 0 if no pin has an order.
+    /// Order of the part that a cut chooses, or of the pin nearest along the shape; 0 if neither has one.
     pub(in crate::pipeline) order: i32,
     pub(in crate::pipeline) branch: usize,
 }
@@ -41,20 +42,57 @@ impl OrderedParts {
     }
 }
 
-/// Returns the order of each piece; `None` if no pin has an order.
+/// Returns the order of each piece; `None` if neither a pin nor a part has an order.
 fn orders(
     prepared: &PreparedShot,
     index: usize,
     (now, branches): (&TimeSample, &BranchedLattice<2>),
 ) -> Option<Vec<i32>> {
-    let (layer, state) = (&prepared.shot.layers[index], &now.layers[index]);
-    if state.pins.is_empty() || layer.pins.iter().all(|pin| pin.order.is_empty()) {
+    let (layer, starts) = (&prepared.shot.layers[index], &now.layers[index].starts);
+    let parts = prepared.ordered_parts_of(index);
+    let has_ordered_pins = layer.pins.iter().any(|pin| !pin.is_muted && !pin.order.is_empty());
+    if parts.is_empty() && !has_ordered_pins {
         return None;
     }
-    let anchors = prepared.anchors_of(index);
-    let held = state.pins.iter().map(|pin| (pin.rest.0.to_array(), held_triangle(&anchors[pin.pin], &state.starts)));
-    let nearest = branches.nearest_along_shape(&held.collect::<Vec<_>>());
     let key_frame = prepared.key_frame(layer, now.frame);
-    let of_pins: Vec<i32> = state.pins.iter().map(|pin| layer.pins[pin.pin].order_at(key_frame)).collect();
-    Some(nearest.into_iter().map(|pin| of_pins[pin]).collect())
+    let part_of = parts_of_shape(parts, starts);
+    let triangles: Vec<usize> = branches.pieces_of_triangles().map(|(triangle, ..)| triangle).collect();
+    let mut orders: Vec<Option<i32>> = triangles
+        .iter()
+        .map(|&triangle| order_at(&layer.connectivity.orders[parts[part_of(triangle)?].0], key_frame))
+        .collect();
+    if has_ordered_pins {
+        // The pins of the shot, also where a host program moves others in their place.
+        let mesh = now.mesh();
+        let pins = layer.pins.iter().zip(prepared.anchors_of(index)).filter(|(pin, _)| !pin.is_muted);
+        let held = pins.filter_map(|(pin, anchor)| {
+            let rest = anchor.rest(&mesh, &now.camera);
+            let place = (rest.point.0.to_array(), held_triangle(anchor, starts));
+            (rest.presence > 0.0).then(|| (place, order_at(&pin.order, key_frame)))
+        });
+        let (places, of_pins): (Vec<_>, Vec<_>) = held.unzip();
+        let nearest = if places.is_empty() { Vec::new() } else { branches.nearest_along_shape(&places) };
+        for ((order, &triangle), pin) in orders.iter_mut().zip(&triangles).zip(nearest) {
+            // A part keeps its order against pins beside it.
+            let is_beside = |held: u32| part_of(held as usize) != part_of(triangle);
+            if order.is_none() || !places[pin].1.is_none_or(is_beside) {
+                *order = of_pins[pin].or(*order);
+            }
+        }
+    }
+    Some(orders.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Returns a function from the triangles of a shape to the last of some parts that has them. `parts`: with one flag for every triangle at
+/// rest.
+fn parts_of_shape(parts: &[(usize, Vec<bool>)], starts: &[PartTriangleRanges]) -> impl Fn(usize) -> Option<usize> {
+    let runs = starts.iter().flat_map(|part| part.starts.windows(2));
+    let part_at_rest = |triangle: usize| parts.iter().rposition(|(_, is_in)| is_in.get(triangle) == Some(&true));
+    let of_run = |(number, run): (usize, &[u32])| {
+        let part = part_at_rest(number);
+        (run[0]..run[1]).map(move |_| part)
+    };
+    let list: Vec<Option<usize>> =
+        if parts.is_empty() { Vec::new() } else { runs.enumerate().flat_map(of_run).collect() };
+    move |triangle| list.get(triangle).copied().flatten()
 }

@@ -96,11 +96,13 @@ fn size_of<'a>(primitives: impl Iterator<Item = &'a Primitive>) -> (usize, bool)
     })
 }
 
-/// Refuses several pictures in one branching layer: they would count as islands, each linked to the others at a single place.
+/// Refuses what acts on branching lattices alone in layers that turn out to be plain, and several pictures in one branching layer: they
+/// would count as islands, each linked to the others at a single place.
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] for the first such layer.
 pub(in crate::pipeline) fn check_branching(prepared: &PreparedShot) -> Result<(), PipelineError> {
+    check_idle_keys(prepared)?;
     let layers = prepared.shot.layers.iter().zip(&prepared.assignment.parts_of_layer).enumerate();
     let is_picture = matches!(prepared.shot.source, Source::Images(_));
     let mut branching = layers.filter(|(_, (layer, _))| is_picture && layer.settings.topology == Topology::Branching);
@@ -113,4 +115,31 @@ pub(in crate::pipeline) fn check_branching(prepared: &PreparedShot) -> Result<()
         }
         None => Ok(()),
     }
+}
+
+/// Refuses cuts, joins and orders of layers whose topology was left open and is plain.
+fn check_idle_keys(prepared: &PreparedShot) -> Result<(), PipelineError> {
+    let parts_of_layer = prepared.assignment.parts_of_layer.iter();
+    for (index, (layer, parts)) in prepared.shot.layers.iter().zip(parts_of_layer).enumerate() {
+        let is_plain = layer.settings.topology == Topology::Plain && layer.has_auto_topology;
+        let Some(key) = branching_key(layer).filter(|_| is_plain && layer.transfer.is_none()) else { continue };
+        let (why, hint) = match prepared.shot.source {
+            Source::Images(_) if parts.is_empty() => ("its picture is empty", "remove the key"),
+            Source::Images(_) => ("it has several pictures", "give each picture a layer of its own, or remove the key"),
+            Source::Scene(_) | Source::Frame => {
+                ("its nodes have lines or no triangles", "give the lines a layer of their own, or remove the key")
+            }
+        };
+        let what = format!("it acts on branching lattices only, and that of layer '{}' is plain: {why}", layer.name);
+        return Err(PipelineError::mismatch(&prepared.shot, &format!("layer[{index}].{key}"), what, hint));
+    }
+    Ok(())
+}
+
+/// Returns the first key of a layer that acts on branching lattices alone.
+fn branching_key(layer: &Layer) -> Option<String> {
+    let pin = layer.pins.iter().position(|pin| !pin.order.is_empty()).map(|pin| format!("pin[{pin}].order"));
+    let Connectivity { cuts, joins, .. } = &layer.connectivity;
+    let has = |list: bool, key: &str| list.then(|| format!("lattice.{key}"));
+    has(!cuts.is_empty(), "cuts").or_else(|| has(!joins.is_empty(), "joins")).or(pin)
 }

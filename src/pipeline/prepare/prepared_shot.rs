@@ -153,6 +153,11 @@ impl PreparedShot {
         &self.layer_inputs.mirrored[layer]
     }
 
+    /// Returns the parts of a layer's picture that have an order in depth, as [`RestLinks::ordered_parts`] does.
+    pub(in crate::pipeline) fn ordered_parts_of(&self, layer: usize) -> &[(usize, Vec<bool>)] {
+        self.layer_inputs.links[layer].as_ref().map_or(&[], RestLinks::ordered_parts)
+    }
+
     /// Returns the links between the triangles of a layer; `None` if its lattice does not branch.
     pub(in crate::pipeline) fn links_of(&self, layer: usize) -> Option<&Arc<Vec<Link>>> {
         let Layer { space, basis, .. } = &self.shot.layers[layer];

@@ -60,6 +60,8 @@ pub(in crate::pipeline) struct RestLinks {
     divisions: Vec<Vec<u32>>,
     /// The links with those between the parts of divisions, if there are some.
     undivided: Vec<(f64, Arc<Vec<Link>>)>,
+    /// The parts with an order in depth: the number of the cut, and for every triangle whether the part has it.
+    ordered: Vec<(usize, Vec<bool>)>,
 }
 
 impl RestLinks {
@@ -73,6 +75,11 @@ impl RestLinks {
     /// Whether there are parts that pins join to others.
     pub(super) const fn has_divisions(&self) -> bool {
         !self.divisions.is_empty()
+    }
+
+    /// Returns the parts of a picture that have an order in depth: the number of the cut, and for every triangle whether the part has it.
+    pub(in crate::pipeline) fn ordered_parts(&self) -> &[(usize, Vec<bool>)] {
+        &self.ordered
     }
 
     /// Separates the parts of divisions that have pins. `pinned`: the triangles with pins.
@@ -127,7 +134,7 @@ pub(super) fn rest_links(
         };
         let by_pitch: Vec<_> = by_pitch.into_iter().map(sorted).collect();
         let undivided = if divisions.is_empty() { Vec::new() } else { by_pitch.clone() };
-        let mut links = RestLinks { by_pitch, divisions, undivided };
+        let mut links = RestLinks { by_pitch, divisions, undivided, ordered: layer.ordered_parts() };
         links.divide(&[]);
         all.push(Some(links));
     }
@@ -251,6 +258,13 @@ impl LayerLinks<'_> {
             || vec![OTHER; self.mesh.triangles.len()],
             |map| parts_of_triangles(self.mesh, map, self.shot.size),
         )
+    }
+
+    /// Returns the parts of a picture that have an order in depth.
+    fn ordered_parts(&self) -> Vec<(usize, Vec<bool>)> {
+        let orders = self.layer().connectivity.orders.iter().enumerate().filter(|(_, keys)| !keys.is_empty());
+        let is_in = |(cut, _)| (cut, self.parts_of_picture(cut).into_iter().map(|part| part == CHOSEN).collect());
+        orders.map(is_in).collect()
     }
 
     /// Removes the links between different parts; a surface that stays whole keeps its own.

@@ -151,6 +151,23 @@ fn held_borders_do_not_darken() {
     }
 }
 
+/// Beside a border that rests, the centres of the last pixels move a little: that is no cut. Where one begins, nothing jumps.
+#[test]
+fn borders_that_rest_stay_opaque() {
+    let source = plane(WINDOW, |_| 1.0);
+    let corner = |by: f32, filter| {
+        let at_the_end = move |at: f32, end: f32| if at >= end { by } else { 0.0 };
+        one(&map(|x, y| [at_the_end(x, 89.0), at_the_end(y, 69.0)]), WINDOW, &source, filter)
+    };
+    assert!(corner(1.5e-3, Filter::Ewa).iter().all(|x| *x == 1.0), "an opaque plate stays opaque");
+    for filter in [Filter::Ewa, Filter::Cubic, Filter::Lanczos] {
+        let covered: Vec<f32> = (0..200).map(|k| corner(k as f32 * 1e-4, filter)[35 * 90 + 89]).collect();
+        let worst = covered.windows(2).fold(0.0_f32, |worst, pair| worst.max((pair[1] - pair[0]).abs()));
+        assert!(worst < 2.5e-4, "{filter:?}: {worst}");
+        assert!((covered[199] - (1.0 - 0.0199)).abs() < 1e-5, "{filter:?}: {}", covered[199]);
+    }
+}
+
 /// A plane wave above the Nyquist frequency of the output must vanish, not alias to a lower one.
 #[test]
 fn shrinking_does_not_alias() {

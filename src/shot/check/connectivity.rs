@@ -5,8 +5,12 @@
 use super::{Check, Kind, LayerDefaults};
 use crate::shot::connectivity::{CutSurface, ISLAND_RADIUS};
 use crate::shot::raw::{RawCut, RawLattice, RawPartCut};
-use crate::shot::{Connectivity, Cut};
+use crate::shot::{Connectivity, Cut, OrderKey};
 use crate::solve::Topology;
+
+/// What gives a plate a shape, whose parts can move apart.
+pub(super) const SHAPE_HINT: &str =
+    "give a scene, or a reference frame of the plate: image = \"beauty.0001.exr\"; its alpha is the shape";
 
 impl Check<'_> {
     pub(super) fn connectivity(
@@ -26,9 +30,26 @@ impl Check<'_> {
             let what = "only a `scene` has nodes that can be joined";
             self.fault(&format!("{key}.joins"), what, "remove `joins`; a picture hangs together where it is painted");
         }
-        let cuts = raw.cuts.iter().enumerate();
-        let cuts = cuts.map(|(number, cut)| self.cut(cut, &format!("{key}.cuts[{number}]"), shot)).collect();
-        Connectivity { cuts, joins: raw.joins.clone(), island_radius: raw.island_radius.unwrap_or(ISLAND_RADIUS) }
+        let mut cuts = Vec::with_capacity(raw.cuts.len());
+        let mut orders = Vec::with_capacity(raw.cuts.len());
+        for (number, raw) in raw.cuts.iter().enumerate() {
+            let key = format!("{key}.cuts[{number}]");
+            let cut = self.cut(raw, &key, shot);
+            orders.push(self.order_of_part((raw, &cut), &format!("{key}.order"), shot));
+            cuts.push(cut);
+        }
+        let island_radius = raw.island_radius.unwrap_or(ISLAND_RADIUS);
+        Connectivity { cuts, orders, joins: raw.joins.clone(), island_radius }
+    }
+
+    /// Returns the order of the part that a cut chooses.
+    fn order_of_part(&mut self, (raw, cut): (&RawCut, &Cut), key: &str, shot: &LayerDefaults) -> Vec<OrderKey> {
+        let RawCut::Part(part) = raw else { return Vec::new() };
+        if part.order.is_some() && shot.source == Kind::Images && !cut.chooses_part() {
+            let hint = "choose a part by `mask`, by ids with `cryptomatte` or `values`, or by regions with `at`, or give pins an order";
+            self.fault(key, "this cut has several parts, and none of them is chosen", hint);
+        }
+        self.order(part.order.as_ref(), key, shot)
     }
 
     fn cut(&mut self, raw: &RawCut, key: &str, shot: &LayerDefaults) -> Cut {
@@ -42,7 +63,7 @@ impl Check<'_> {
                                     { materials = [..] }";
                         self.fault(key, what, hint);
                     }
-                    Kind::Frame => self.fault(key, "a whole plate has no parts", "give a scene or an `image`"),
+                    Kind::Frame => self.fault(key, "a whole plate has no parts", SHAPE_HINT),
                 }
                 self.stroke(stroke, key);
                 Cut::Stroke(stroke.clone())
@@ -107,7 +128,7 @@ impl Check<'_> {
                 self.fault(&format!("{key}.mask.texcoord"), "a picture has no UVs", "remove `texcoord`");
             }
             Kind::Images => {}
-            Kind::Frame => self.fault(key, "a whole plate has no parts", "give a scene or an `image`"),
+            Kind::Frame => self.fault(key, "a whole plate has no parts", SHAPE_HINT),
         }
         // The parts of a drawing hang together by its surface alone.
         let surface = surface(raw.open || shot.source == Kind::Images);

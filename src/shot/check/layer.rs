@@ -2,6 +2,7 @@
 //!
 //! In: raw layers. Out: [`Layer`]s, with the shot's step and strength applied.
 
+use super::connectivity::SHAPE_HINT;
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
 use crate::lattice::MAX_HANDLES_IN_ALL;
@@ -224,7 +225,7 @@ impl Check<'_> {
     /// and scenes branch where they can.
     fn topology(&mut self, raw: &RawLayer, (settings, shot): (&Settings, &LayerDefaults), key: &str) -> Topology {
         let faults = [
-            (shot.source == Kind::Frame, "needs a shape", "give a scene or an `image`"),
+            (shot.source == Kind::Frame, "needs a shape", SHAPE_HINT),
             (
                 !raw.lattice.basis.can_branch(),
                 "needs a basis with local support and no diagonals",

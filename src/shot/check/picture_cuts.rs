@@ -2,6 +2,7 @@
 //!
 //! In: raw tables. Out: [`Cut`].
 
+use super::connectivity::SHAPE_HINT;
 use super::{Check, Kind, LayerDefaults};
 use crate::plate::Matte;
 use crate::shot::connectivity::{CONTRAST, GAP};
@@ -28,7 +29,7 @@ impl Check<'_> {
                 let hint = "name a part instead: { joints = [..] }, { nodes = [..] }, { materials = [..] }, { mask = { file = .. } }";
                 self.fault(&format!("{key}.{name}"), what, hint);
             }
-            Kind::Frame => self.fault(key, "a whole plate has no parts", "give a scene or an `image`"),
+            Kind::Frame => self.fault(key, "a whole plate has no parts", SHAPE_HINT),
         }
         Some(cut)
     }

@@ -116,7 +116,8 @@ impl Check<'_> {
         weights.map(|weight| weight / sum)
     }
 
-    fn order(&mut self, raw: Option<&RawOrder>, key: &str, shot: &LayerDefaults) -> Vec<OrderKey> {
+    /// Returns the order of a pin or of a part.
+    pub(super) fn order(&mut self, raw: Option<&RawOrder>, key: &str, shot: &LayerDefaults) -> Vec<OrderKey> {
         let Some(raw) = raw else { return Vec::new() };
         if shot.source != Kind::Images {
             let what = match shot.source {

@@ -19,11 +19,8 @@ const SOURCES: &str = "write for example `scene = \"scene.glb\"`, `image = \"gir
 impl Check<'_> {
     /// Returns the source that the lattices deform.
     pub(super) fn source(&mut self, raw: &RawShot) -> Source {
-        let other = [("scene", raw.scene.is_some()), ("plate", raw.plate.is_some())];
-        if let (Some(image), Some((other, _))) = (&raw.image, other.iter().find(|(_, is_given)| *is_given)) {
-            let hint = format!("keep one of `image` and `{other}`");
-            self.fault("image", format!("excludes `{other}`"), hint);
-            return Source::Images(self.images(image));
+        if raw.image.is_some() && raw.scene.is_some() {
+            self.fault("image", "excludes `scene`", "keep one of `image` and `scene`");
         }
         match (&raw.scene, &raw.image, &raw.plate) {
             (_, Some(image), _) => return Source::Images(self.images(image)),

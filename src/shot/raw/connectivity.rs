@@ -2,6 +2,7 @@
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
+use super::order::RawOrder;
 use super::select::{RawMask, RawSelect};
 use crate::shot::selection::ColorChannel;
 use schemars::JsonSchema;
@@ -53,6 +54,10 @@ pub(in crate::shot) struct RawPartCut {
     pub(in crate::shot) frame: Option<i32>,
     /// Whether the cut also opens the surface of a mesh that it divides; that of a picture is always opened.
     pub(in crate::shot) open: bool,
+    /// Order in depth of a part of a picture that `mask`, `ids` or `regions` chooses: where parts overlap, the one with the greater order
+    /// lies in front; default: the order of its pins.
+    #[schemars(example = 1)]
+    pub(in crate::shot) order: Option<RawOrder>,
 }
 
 /// A picture of ids that lies over the picture of a layer.

@@ -7,6 +7,7 @@ mod camera;
 mod connectivity;
 mod image;
 mod layer;
+mod order;
 mod plate;
 mod select;
 
@@ -14,6 +15,7 @@ pub(super) use camera::*;
 pub(super) use connectivity::*;
 pub(super) use image::*;
 pub(super) use layer::*;
+pub(super) use order::*;
 pub(super) use plate::*;
 pub(super) use select::*;
 
@@ -32,7 +34,8 @@ pub(super) struct RawShot {
     /// The glTF scene (.gltf or .glb), relative to the shot file. Required without `image` and `plate`.
     #[schemars(length(min = 1), example = &"scene.glb")]
     pub(super) scene: Option<String>,
-    /// Replaces the scene with a picture (PNG, JPEG, EXR), or several of one size from back to front, relative to the shot file.
+    /// Replaces the scene with a picture (PNG, JPEG, EXR), or several of one size from back to front, relative to the shot file. Beside
+    /// `plate`, its reference frame.
     #[schemars(example = &"girl.png")]
     pub(super) image: Option<RawImage>,
     /// Finished frames that `pinwarp warp` warps, relative to the shot file, with #### or %04d for the frame number.
