@@ -26,6 +26,7 @@ mod session_memory;
 mod snapshot;
 mod space;
 mod stage;
+mod story;
 mod time;
 mod view;
 mod window;
