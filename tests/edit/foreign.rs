@@ -1,8 +1,6 @@
 //! Files that the editor did not make: models of others, pictures, plates, lattices in the scene, broken shots.
 
-#[path = "../support/assets.rs"]
-mod assets;
-
+use crate::assets;
 use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press};
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
 use pinwarp::image::{Preview, write_png};

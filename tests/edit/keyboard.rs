@@ -1,22 +1,16 @@
 //! The timeline and its curves without a pointer: by keyboard, and as screen readers see them.
 
+use crate::acts::{click, press};
+use crate::seen::says;
 use crate::stage::{PINS, Stage};
-use crate::window::{Window, session, settled, window};
+use crate::window::{Window, opened_with, session};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;
 
 /// A window on a shot whose left layer has two pins with keys, and the folder of both.
 fn opened() -> (Stage, Window) {
-    let stage = Stage::with(PINS);
-    let mut window = window(&stage.state(), Some(&stage.shot()));
-    settled(&mut window);
-    (stage, window)
-}
-
-fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
-    window.key_press_modifiers(modifiers, key);
-    window.run_steps(2);
+    opened_with(PINS)
 }
 
 fn keys(window: &Window, pin: usize, channel: Channel) -> Vec<[f64; 2]> {
@@ -102,4 +96,27 @@ fn keys_in_curves_are_raised_and_moved_by_keyboard() {
     assert_eq!(times(&window, 0), [1.0, 6.0]);
     let labels: Vec<&str> = session(&window).document().history().labels().collect();
     assert_eq!(labels, ["Change keys", "Move keys", "Delete keys"]);
+}
+
+#[test]
+fn a_key_that_is_bound_anew_acts_and_the_old_one_does_not() {
+    let (_stage, mut window) = opened();
+    let is_shown = |window: &Window| says(window, "action");
+    press(&mut window, Modifiers::NONE, Key::F1);
+    click(&mut window, &["Key of Safe areas"]);
+    assert!(says(&window, "press a key"));
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(!says(&window, "press a key") && window.query_by_label("Key of Safe areas").is_some(), "given up");
+    click(&mut window, &["Key of Safe areas"]);
+    press(&mut window, Modifiers::ALT, Key::J);
+    assert!(!is_shown(&window) && says(&window, "Alt+J"), "it is bound, and does nothing yet");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(window.query_by_label("Key of Safe areas").is_none(), "the list is closed");
+    press(&mut window, Modifiers::NONE, Key::A);
+    assert!(!is_shown(&window));
+    press(&mut window, Modifiers::ALT, Key::J);
+    assert!(is_shown(&window));
+    press(&mut window, Modifiers::ALT, Key::J);
+    click(&mut window, &["View"]);
+    assert!(says(&window, "Alt+J"), "menus name it");
 }

@@ -4,19 +4,29 @@
 #[path = "../support/tiny.rs"]
 mod tiny;
 
+#[path = "../support/assets.rs"]
+mod assets;
 #[path = "../support/endurance.rs"]
 mod endurance;
 
+mod acts;
 mod brush;
+mod faults;
 mod foreign;
 mod kept_view;
 mod keyboard;
 mod keys;
+mod layer_panel;
 mod model;
+mod on_disk;
 mod panels;
 mod pins;
+mod seen;
 mod session_memory;
 mod snapshot;
 mod space;
 mod stage;
+mod story;
+mod time;
+mod view;
 mod window;

@@ -1,5 +1,6 @@
 //! The brush, the timeline, the tour and the list of keys in the real interface.
 
+use crate::acts::hold;
 use crate::stage::{PINS, SHOT, Stage};
 use crate::window::{Window, place, pointer, session, settled, until, window};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
@@ -125,12 +126,6 @@ fn menus_stay_open_at_switches_and_close_at_actions() {
     }
 }
 
-fn key(window: &mut Window, key: Key, pressed: bool) {
-    let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);
-    window.event(Event::Key { key, physical_key, pressed, repeat, modifiers });
-    window.step();
-}
-
 #[test]
 fn a_held_key_paints_stiffness_and_shift_erases_it() {
     let stage = Stage::new();
@@ -138,7 +133,7 @@ fn a_held_key_paints_stiffness_and_shift_erases_it() {
     settled(&mut window);
     let way: Vec<Pos2> = [0.3, 0.4, 0.5].iter().map(|&x| place(&window, x, 0.5)).collect();
     pointer(&mut window, way[0], None);
-    key(&mut window, Key::S, true);
+    hold(&mut window, Key::S, true);
     pointer(&mut window, way[0], Some(true));
     pointer(&mut window, way[1], None);
     until(&mut window, "the paint is seen", |window| !session(window).painted().is_empty());
@@ -158,7 +153,7 @@ fn a_held_key_paints_stiffness_and_shift_erases_it() {
     window.event(Event::ModifiersChanged(Modifiers::NONE));
     until(&mut window, "the stroke is written", |window| strokes(window) == 2);
     assert_eq!(session(&window).document().shot().layers[0].strokes[1].value, 1.0);
-    key(&mut window, Key::S, false);
+    hold(&mut window, Key::S, false);
     for _ in 0..2 {
         window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         window.run_steps(2);

@@ -1,5 +1,6 @@
 //! The real interface, driven through its accessibility tree and by a pointer: what a person does in the first three minutes.
 
+use crate::seen::Textures;
 use crate::stage::{SHOT, Stage, TIMEOUT};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::Harness;
@@ -29,9 +30,19 @@ pub(crate) fn window(state: &Path, file: Option<&Path>) -> Window {
         });
         editor.ui(ui);
     };
-    let mut window = Harness::builder().with_size(egui::vec2(1280.0, 800.0)).build_ui_state(show, None);
+    let textures = Textures::default();
+    let builder = Harness::builder().with_size(egui::vec2(1280.0, 800.0)).renderer(textures.clone());
+    let mut window = builder.with_context_setup(move |ctx| textures.install(ctx)).build_ui_state(show, None);
     window.run_steps(3);
     window
+}
+
+/// A window on a shot whose left layer has more, its first frame drawn.
+pub(crate) fn opened_with(more: &str) -> (Stage, Window) {
+    let stage = Stage::with(more);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    (stage, window)
 }
 
 pub(crate) fn session(window: &Window) -> &Session {
@@ -41,7 +52,8 @@ pub(crate) fn session(window: &Window) -> &Session {
 pub(crate) fn until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) {
     let begun = Instant::now();
     while !holds(window) {
-        assert!(begun.elapsed() < TIMEOUT, "{what}");
+        let fault = window.state().as_ref().and_then(Editor::session).and_then(Session::fault);
+        assert!(begun.elapsed() < TIMEOUT, "{what}: {fault:?}");
         window.step();
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -59,6 +71,11 @@ pub(crate) fn pointer(window: &mut Window, at: Pos2, pressed: Option<bool>) {
         window.event(Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers });
     }
     window.step();
+}
+
+/// The changes that can be undone.
+pub(crate) fn changes(window: &Window) -> Vec<String> {
+    session(window).document().history().labels().map(str::to_owned).collect()
 }
 
 /// A point of the picture in the window, in frame heights from its lower left corner.

@@ -16,7 +16,9 @@ pub(super) struct Chords<'a> {
 pub(super) fn show(ctx: &egui::Context, mut chords: Chords, file: &Path) -> bool {
     let note = Id::unique("note about keys");
     let was_waiting = chords.rebound.is_some();
-    if let (Some(action), Some(chord)) = (*chords.rebound, pressed(ctx)) {
+    if let Some(action) = *chords.rebound
+        && let Some(chord) = pressed(ctx)
+    {
         *chords.rebound = None;
         let outcome = chord.map_or(Ok(()), |chord| chords.shortcuts.rebind(action, chord, file));
         let text = outcome.err().map(|error| error.to_string()).unwrap_or_default();
@@ -69,7 +71,7 @@ fn key_group(ui: &mut egui::Ui, chords: &mut Chords, group: &str) {
     ui.add_space(8.0);
 }
 
-/// Returns the chord that was pressed, `Some(None)` for Escape; `None` if there was none.
+/// Takes the chord that was pressed, and all other input; `Some(None)` for Escape; `None` if there was none.
 fn pressed(ctx: &egui::Context) -> Option<Option<Chord>> {
     ctx.input_mut(|input| {
         let found = input.events.iter().find_map(|event| match event {

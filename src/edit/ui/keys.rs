@@ -39,9 +39,14 @@ fn presses_button(ctx: &egui::Context, chord: &Chord) -> bool {
     sense.is_some_and(|sense| sense.senses_click() && !sense.senses_drag())
 }
 
-/// Returns the actions whose keys were pressed; none while a text field has focus.
+/// Returns whether keys are meant for a text field or a question, and trigger nothing else.
+pub(super) fn are_taken(ctx: &egui::Context) -> bool {
+    ctx.text_edit_focused() || ctx.memory(|memory| memory.top_modal_layer().is_some())
+}
+
+/// Returns the actions whose keys were pressed; none while keys are taken.
 pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action> {
-    if ctx.text_edit_focused() {
+    if are_taken(ctx) {
         return Vec::new();
     }
     let is_held_kind = |action: Action| action.group() == "Hold";

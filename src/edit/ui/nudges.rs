@@ -1,12 +1,13 @@
 //! Arrow keys and Escape.
 
+use super::keys;
 use crate::edit::Session;
 use eframe::egui::{self, Key, Modifiers};
 use glam::DVec2;
 
 /// Handles arrow keys, which move the selection by a pixel, or ten with Shift, and Escape, which cancels the gesture.
 pub(super) fn show(ctx: &egui::Context, session: &mut Session) {
-    if ctx.text_edit_focused() {
+    if keys::are_taken(ctx) {
         return;
     }
     if ctx.input(|input| input.key_pressed(Key::Escape)) {

@@ -1,6 +1,7 @@
 //! Detects changes of a shot's files on disk, by polling modification times while idle.
 
 use crate::pipeline::OpenShot;
+use crate::shot::Shot;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -33,9 +34,18 @@ impl FileWatch {
         Self { shot: shot.path.clone(), stamps: paths.map(|path| (path.clone(), stamp(path))).collect() }
     }
 
-    /// Returns whether this is the shot that is watched.
-    pub(super) fn is_of(&self, open: &OpenShot) -> bool {
-        self.shot == open.given().path
+    /// Watches the files that a shot names, too, even if they cannot be loaded. Returns whether another shot was watched before.
+    pub(super) fn add(&mut self, shot: &Shot) -> bool {
+        let is_other = self.shot != shot.path;
+        if is_other {
+            *self = Self { shot: shot.path.clone(), stamps: Vec::new() };
+        }
+        for path in std::iter::once(&shot.path).chain(shot.files()) {
+            if self.stamps.iter().all(|(known, _)| known != path) {
+                self.stamps.push((path.clone(), stamp(path)));
+            }
+        }
+        is_other
     }
 
     /// Returns what changed since the last call; a shot file that was removed has changed. Other missing files are

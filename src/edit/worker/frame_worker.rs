@@ -125,6 +125,8 @@ impl FrameWorker {
     /// Updates the loaded shot to the job's.
     fn load(&mut self, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
         let shot = wanted_shot(job);
+        // What cannot be loaded is watched, too: it may be mended on disk.
+        let is_other = self.watch.add(&shot);
         let rework = match &mut self.open {
             Some(open) => open.edit(shot)?,
             None => {
@@ -154,7 +156,7 @@ impl FrameWorker {
             }
             (self.drafts, self.still_ms, self.jerk) = (DraftSize::default(), 0.0, JerkMeter::default());
         }
-        if rework == Rework::Scene || !self.watch.is_of(open) {
+        if rework == Rework::Scene || is_other {
             self.watch = FileWatch::of(open);
         }
         if rework >= Rework::Pins {

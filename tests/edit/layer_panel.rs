@@ -1,0 +1,147 @@
+//! The list of layers and their settings in the real interface: each is seen in the picture, in the marks or in the file.
+
+use crate::acts::{choose, click, number, press};
+use crate::seen::{beside_cards, pictures, says};
+use crate::stage::{PINS, Stage};
+use crate::window::{Window, changes, opened_with, session, settled};
+use eframe::egui::{Key, Modifiers};
+
+/// The third frame of the shot with pins, in which the left layer is pulled.
+fn pulled() -> (Stage, Window) {
+    let (stage, mut window) = opened_with(PINS);
+    click(&mut window, &["Frame forward", "Frame forward"]);
+    settled(&mut window);
+    (stage, window)
+}
+
+/// How much the pins pull beside the cards, once the frame is drawn.
+fn pull(window: &mut Window) -> usize {
+    settled(window);
+    beside_cards(&pictures(window)[0].image)
+}
+
+fn text(window: &Window) -> String {
+    session(window).document().text().to_owned()
+}
+
+fn undo(window: &mut Window) {
+    press(window, Modifiers::COMMAND, Key::Z);
+}
+
+#[test]
+fn muted_layers_and_those_beside_a_solo_rest_in_the_picture_alone() {
+    let (_stage, mut window) = pulled();
+    let (whole, before) = (pull(&mut window), text(&window));
+    assert!(whole > 20, "{whole}");
+    // What is clicked, and whether the left layer acts then.
+    for (label, acts) in [
+        ("Mute left", false),
+        ("Unmute left", true),
+        ("Mute right", true),
+        ("Unmute right", true),
+        ("Solo right", false),
+        ("Solo left", true),
+        ("Mute left", true),
+        ("Solo left", false),
+        ("Unmute left", true),
+    ] {
+        click(&mut window, &[label]);
+        assert_eq!(pull(&mut window), if acts { whole } else { 0 }, "{label}");
+        let is_silent = !["Unmute left", "Unmute right"].contains(&label);
+        assert_eq!(says(&window, "layers are muted"), is_silent, "{label}");
+    }
+    assert_eq!(text(&window), before, "the file is as it was");
+}
+
+#[test]
+fn the_strength_of_a_layer_scales_its_warp() {
+    let (_stage, mut window) = pulled();
+    let (whole, before) = (pull(&mut window), text(&window));
+    number(&mut window, "Strength", 0.5);
+    assert!(text(&window).contains("strength = 0.5"), "{}", text(&window));
+    let half = pull(&mut window);
+    assert!(0 < half && half < whole, "{half} of {whole}");
+    number(&mut window, "Strength", 0.0);
+    assert_eq!(pull(&mut window), 0);
+    assert_eq!(changes(&window), ["Change strength"], "changes in a row are undone at once");
+    undo(&mut window);
+    assert_eq!((text(&window), pull(&mut window)), (before, whole));
+}
+
+#[test]
+fn layers_change_their_order_are_added_and_deleted() {
+    let (_stage, mut window) = pulled();
+    let before = text(&window);
+    let names = |window: &Window| -> Vec<String> {
+        session(window).document().shot().layers.iter().map(|layer| layer.name.clone()).collect()
+    };
+    click(&mut window, &["Layer up"]);
+    assert_eq!(names(&window), ["left", "right"], "it is the first");
+    click(&mut window, &["Layer down"]);
+    assert_eq!(names(&window), ["right", "left"]);
+    assert_eq!(session(&window).document().shot().layers[1].pins.len(), 2, "its pins go with it");
+    click(&mut window, &["Layer up"]);
+    assert_eq!(names(&window), ["left", "right"]);
+    click(&mut window, &["right", "Delete layer"]);
+    assert_eq!(names(&window), ["left"]);
+    click(&mut window, &["Add layer", "Right"]);
+    assert_eq!(names(&window), ["left", "Right"]);
+    assert_eq!(session(&window).document().shot().layers[1].nodes, ["Right"]);
+    assert_eq!(changes(&window), ["Move layer", "Move layer", "Delete layer", "Add layer"]);
+    for _ in 0..4 {
+        undo(&mut window);
+    }
+    assert_eq!(text(&window), before);
+}
+
+#[test]
+fn dims_basis_and_box_of_a_lattice_are_chosen() {
+    let (_stage, mut window) = pulled();
+    let before = text(&window);
+    let handles = |window: &mut Window| {
+        settled(window);
+        session(window).marks()[0].handles.len()
+    };
+    assert_eq!(handles(&mut window), 36);
+    number(&mut window, "Columns", 9.0);
+    assert_eq!(handles(&mut window), 54);
+    number(&mut window, "Rows", 4.0);
+    assert_eq!(handles(&mut window), 36);
+    assert!(text(&window).contains("dims = [9, 4]"), "{}", text(&window));
+    let lines = session(&window).marks()[0].lines.len();
+    choose(&mut window, "Basis", "bilinear");
+    settled(&mut window);
+    assert!(text(&window).contains("basis = \"bilinear\""), "{}", text(&window));
+    assert_ne!(session(&window).marks()[0].lines.len(), lines, "its cells are others");
+    let size = |window: &Window| session(window).marks()[0].rest_box.expect("on the screen").upright.max.0;
+    let follows = size(&window);
+    choose(&mut window, "Box", "frame");
+    settled(&mut window);
+    assert!((size(&window) - follows).length() > 0.1, "the box is the whole frame: {:?}", size(&window));
+    click(&mut window, &["auto"]);
+    settled(&mut window);
+    assert!(session(&window).document().shot().layers[0].has_auto_dims);
+    click(&mut window, &["set"]);
+    assert_eq!(handles(&mut window), 100);
+    for _ in 0..changes(&window).len() {
+        undo(&mut window);
+    }
+    assert_eq!((text(&window), handles(&mut window)), (before, 36));
+}
+
+#[test]
+fn smoothness_and_the_weight_over_time_change_the_solve() {
+    let (_stage, mut window) = pulled();
+    let marks = |window: &mut Window| {
+        settled(window);
+        session(window).marks()[0].handles.clone()
+    };
+    let mut known = vec![marks(&mut window)];
+    for (label, value, words) in [("Smoothness", 5.0, "smoothness = 5"), ("Over time", 20.0, "temporal = 20")] {
+        number(&mut window, label, value);
+        assert!(text(&window).contains(words), "{}", text(&window));
+        let new = marks(&mut window);
+        assert!(!known.contains(&new), "{label}");
+        known.push(new);
+    }
+}
