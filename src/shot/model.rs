@@ -78,7 +78,8 @@ impl Shot {
         for layer in 0..self.layers.len() {
             for pin in 0..self.layers[layer].pins.len() {
                 if let Some(mirror) = self.layers[layer].pins[pin].mirror {
-                    self.layers[layer].pins[pin].keys = self.layers[mirror.layer].pins[mirror.pin].keys.clone();
+                    let followed = self.layers[mirror.layer].pins[mirror.pin].clone();
+                    self.layers[layer].pins[pin].copy_keys(&followed);
                 }
             }
         }
@@ -358,9 +359,27 @@ pub struct Pin {
     pub order: Vec<OrderKey>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
+    /// Keys of its rotation alone, frames strictly increasing; `keys` then hold none. Empty: `keys` hold the rotation.
+    pub rotate_keys: Vec<ChannelKey<Rotation>>,
+    /// Keys of its scale alone, as `rotate_keys`.
+    pub scale_keys: Vec<ChannelKey<f64>>,
 }
 
 impl Pin {
+    /// Takes unit and keys of another pin.
+    pub(super) fn copy_keys(&mut self, other: &Self) {
+        self.unit = other.unit;
+        self.keys.clone_from(&other.keys);
+        self.rotate_keys.clone_from(&other.rotate_keys);
+        self.scale_keys.clone_from(&other.scale_keys);
+    }
+
+    /// Returns the frames of all keys, channel by channel.
+    pub(crate) fn key_frames(&self) -> impl Iterator<Item = f64> {
+        let rotation = self.rotate_keys.iter().map(|key| key.frame);
+        self.keys.iter().map(|key| key.frame).chain(rotation).chain(self.scale_keys.iter().map(|key| key.frame))
+    }
+
     /// Returns the order at a (fractional) frame.
     #[must_use]
     pub(crate) fn order_at(&self, frame: f64) -> i32 {
@@ -467,10 +486,21 @@ pub struct PinKey {
     pub frame: f64,
     /// Its goal.
     pub goal: Goal,
-    /// Rotation in degrees; `None`: unconstrained.
+    /// Rotation in degrees; `None`: unconstrained, or in [`Pin::rotate_keys`].
     pub rotate_degrees: Option<Rotation>,
-    /// Scale; `None`: unconstrained.
+    /// Scale; `None`: unconstrained, or in [`Pin::scale_keys`].
     pub scale: Option<f64>,
+    /// Easing of the segment that starts at this key.
+    pub ease: Ease,
+}
+
+/// A key of one channel of a pin: of its rotation, in degrees, or of its scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelKey<V> {
+    /// Its frame.
+    pub frame: f64,
+    /// The value.
+    pub value: V,
     /// Easing of the segment that starts at this key.
     pub ease: Ease,
 }

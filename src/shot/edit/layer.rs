@@ -161,6 +161,10 @@ fn edit_keyed(table: &mut dyn TableLike, pin: &KeyedPin) {
         replace(table, "unit", "frame".into());
     }
     replace(table, "keys", keys_array(&pin.keys).into());
+    // The new keys hold all channels.
+    for channel in ["rotate_keys", "scale_keys"] {
+        table.remove(channel);
+    }
 }
 
 /// Formats the keys, one per line.
