@@ -366,20 +366,6 @@ pub struct Pin {
 }
 
 impl Pin {
-    /// Takes unit and keys of another pin.
-    pub(super) fn copy_keys(&mut self, other: &Self) {
-        self.unit = other.unit;
-        self.keys.clone_from(&other.keys);
-        self.rotate_keys.clone_from(&other.rotate_keys);
-        self.scale_keys.clone_from(&other.scale_keys);
-    }
-
-    /// Returns the frames of all keys, channel by channel.
-    pub(crate) fn key_frames(&self) -> impl Iterator<Item = f64> {
-        let rotation = self.rotate_keys.iter().map(|key| key.frame);
-        self.keys.iter().map(|key| key.frame).chain(rotation).chain(self.scale_keys.iter().map(|key| key.frame))
-    }
-
     /// Returns the order at a (fractional) frame.
     #[must_use]
     pub(crate) fn order_at(&self, frame: f64) -> i32 {
