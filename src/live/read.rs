@@ -283,4 +283,27 @@ mod tests {
         assert!(track.keys.iter().all(|key| key.target.0.y == track.rest.0.y), "{track:?}");
         assert_eq!(PinTrack::sampled("still".into(), &[], [7.0, 0.0], at).keys.len(), 1);
     }
+
+    #[test]
+    fn a_pin_whose_rotation_has_own_keys_gets_a_key_in_every_frame() {
+        let text = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n[[layer]]\n[[layer.pin]]\n\
+                    anchor = { screen = [0.5, 0.5], frame = 1 }\n\
+                    keys = [{ frame = 1, offset = [0, 0], ease = 'hold' }, { frame = 3, offset = [0.2, 0] }]\n";
+        let values = |text: &str| {
+            let shot = crate::shot::Shot::parse(text, "a.toml".as_ref()).expect("a shot");
+            values_of(&shot.layers[0].pins[0], shot.frames)
+        };
+        let plain: Vec<_> = values(text).iter().map(|(_, key)| (key.frame, key.rotation, key.ease)).collect();
+        assert_eq!(plain, [(1.0, None, Ease::Hold), (3.0, None, Ease::Linear)]);
+        let own = format!("{text}rotate_keys = [{{ frame = 2.5, value = 0 }}, {{ frame = 5, value = 100 }}]");
+        let wanted =
+            [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.5, 0.0, 0.0], [3.0, 0.2, 20.0], [4.0, 0.2, 60.0], [5.0, 0.2, 100.0]];
+        let found = values(&own);
+        assert_eq!(found.len(), wanted.len());
+        for ((goal, key), [frame, x, degrees]) in found.into_iter().zip(wanted) {
+            let (Goal::Offset(offset), Some(angle)) = (goal, key.rotation) else { unreachable!("{goal:?}") };
+            assert!((offset.0.x - x).abs() < 1e-12 && (angle.to_degrees() - degrees).abs() < 1e-9, "{key:?}");
+            assert_eq!((key.frame, key.scale, key.ease), (frame, None, Ease::Linear));
+        }
+    }
 }

@@ -101,4 +101,26 @@ mod tests {
         let pin = &shot.layers[0].pins[0];
         assert_eq!((pin.rotate_keys.as_slice(), pin.scale_keys.as_slice()), (&rotations[..], &scales[..]));
     }
+
+    #[test]
+    fn keys_that_hold_all_channels_replace_those_of_each() {
+        let text = "[[layer]]\nname = 'a'\n  [[layer.pin]]\n  name = 'p'\n  keys = [ { frame = 1 } ]\n  \
+                    rotate_keys = [ { frame = 1, value = 2 } ]\n  scale_keys = [ { frame = 1, value = 2 } ]\n";
+        let key = crate::shot::PinKey {
+            frame: 3.0,
+            goal: crate::shot::Goal::Offset(crate::space::ScreenVector::default()),
+            rotate_degrees: Some(Rotation::InView(5.0)),
+            scale: None,
+            ease: Ease::Linear,
+        };
+        let edit = super::super::LayerEdit {
+            dims: [5, 5],
+            basis: crate::lattice::Basis::default(),
+            strength: super::super::Factor::Exactly(1.0),
+            smoothness: super::super::Factor::Exactly(1.0),
+            pins: &[super::super::KeyedPin { name: "p", anchor: None, keys: vec![key] }],
+        };
+        let baked = super::super::put_layer(text, Some("a"), &edit).expect("a layer");
+        assert!(baked.contains("rotate = 5.0") && !baked.contains("_keys"), "{baked}");
+    }
 }
