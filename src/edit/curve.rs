@@ -1,11 +1,12 @@
-//! The keys of a pin or handle as animation curves.
+//! The keys of a pin, a channel or a handle as animation curves.
 //!
 //! In: keys, a channel. Out: values in display units (pixels, degrees, factors, per cent), and keys with changed values. `scale`:
 //! display units per unit of a position on the screen, as [`display_scale`].
 
+use super::channel_keys::{rotate_key_at, scale_key_at};
 use super::track::{handle_key_at, key_at};
 use super::track_keys::{KeyEdit, TimedKey, Track, with_key};
-use crate::shot::{Ease, Goal, HandleKey, LayerSpace, OffsetUnit, Pin, PinKey, Rotation, Shot};
+use crate::shot::{ChannelKey, Ease, Goal, HandleKey, LayerSpace, OffsetUnit, Pin, PinKey, Rotation, Shot};
 use crate::space::{ScreenPoint, ScreenVector};
 use glam::DVec2;
 
@@ -84,12 +85,24 @@ impl Channel {
         if let Some(axis) = self.axis() {
             return place[axis];
         }
-        match (self, key.rotate_degrees) {
-            (Self::Scale, _) => key.scale,
-            (Self::Rotation, Some(Rotation::InView(angle))) => Some(angle),
-            (_, Some(Rotation::Axes(angles))) => Some(angles[self.turn_axis()?]),
-            _ => None,
+        if self == Self::Scale { key.scale } else { self.of_rotation(key.rotate_degrees?) }
+    }
+
+    /// Returns a rotation's value; `None` if it is of another kind.
+    fn of_rotation(self, rotation: Rotation) -> Option<f64> {
+        match rotation {
+            Rotation::InView(angle) => (self == Self::Rotation).then_some(angle),
+            Rotation::Axes(angles) => Some(angles[self.turn_axis()?]),
         }
+    }
+
+    /// Returns a rotation with another value; `None` if this is no rotation.
+    fn put_rotation(self, old: Option<Rotation>, value: f64) -> Option<Rotation> {
+        let value = rounded(value, 1e3);
+        let Some(axis) = self.turn_axis() else { return (self == Self::Rotation).then_some(Rotation::InView(value)) };
+        let mut angles = if let Some(Rotation::Axes(angles)) = old { angles } else { [0.0; 3] };
+        angles[axis] = value;
+        Some(Rotation::Axes(angles))
     }
 
     /// Returns the key with another value, clamped to the valid range.
@@ -98,17 +111,18 @@ impl Channel {
         let mut key = *key;
         if let Some(axis) = self.axis() {
             key.goal = placed(key.goal, axis, (value, scale));
-        } else if let Some(axis) = self.turn_axis() {
-            let mut angles = if let Some(Rotation::Axes(angles)) = key.rotate_degrees { angles } else { [0.0; 3] };
-            angles[axis] = rounded(value, 1e3);
-            key.rotate_degrees = Some(Rotation::Axes(angles));
-        } else if self == Self::Rotation {
-            key.rotate_degrees = Some(Rotation::InView(rounded(value, 1e3)));
+        } else if self == Self::Scale {
+            key.scale = Some(rounded_scale(value));
         } else {
-            key.scale = Some(rounded(value.clamp(0.01, 100.0), 1e4));
+            key.rotate_degrees = self.put_rotation(key.rotate_degrees, value);
         }
         key
     }
+}
+
+/// Returns a scale in the valid range.
+fn rounded_scale(value: f64) -> f64 {
+    rounded(value.clamp(0.01, 100.0), 1e4)
 }
 
 /// Returns a goal with another coordinate.
@@ -144,11 +158,8 @@ pub(in crate::edit) fn is_in_boxes(pin: &Pin) -> bool {
 /// the lattice's box.
 #[must_use]
 pub(in crate::edit) fn display_scale(shot: &Shot, track: Track) -> f64 {
-    let pin = match track {
-        Track::Handle(_) => return 100.0,
-        Track::Pin([layer, pin]) => shot.layers.get(layer).and_then(|layer| layer.pins.get(pin)),
-    };
-    if pin.is_some_and(is_in_boxes) { 100.0 } else { f64::from(shot.size.height) }
+    let is_in_parts = track.pin().is_none() || track.own_pin(shot).is_some_and(is_in_boxes);
+    if is_in_parts { 100.0 } else { f64::from(shot.size.height) }
 }
 
 /// A key whose values are shown as curves.
@@ -166,6 +177,26 @@ impl CurveKey for PinKey {
 
     fn with_value(&self, channel: Channel, value: f64, scale: f64) -> Self {
         channel.put(self, value, scale)
+    }
+}
+
+impl CurveKey for ChannelKey<Rotation> {
+    fn value(&self, channel: Channel, _: f64) -> Option<f64> {
+        channel.of_rotation(self.value)
+    }
+
+    fn with_value(&self, channel: Channel, value: f64, _: f64) -> Self {
+        channel.put_rotation(Some(self.value), value).map_or(*self, |value| Self { value, ..*self })
+    }
+}
+
+impl CurveKey for ChannelKey<f64> {
+    fn value(&self, channel: Channel, _: f64) -> Option<f64> {
+        (channel == Channel::Scale).then_some(self.value)
+    }
+
+    fn with_value(&self, channel: Channel, value: f64, _: f64) -> Self {
+        if channel == Channel::Scale { Self { value: rounded_scale(value), ..*self } } else { *self }
     }
 }
 
@@ -192,6 +223,8 @@ pub(in crate::edit) fn samples(shot: &Shot, track: Track, channel: Channel, time
     let scale = display_scale(shot, track);
     let value = |time: f64| match track {
         Track::Pin(at) => key_at(shot, at, time)?.value(channel, scale),
+        Track::Rotation(_) => rotate_key_at(track.own_pin(shot)?, time)?.value(channel, scale),
+        Track::Scale(_) => scale_key_at(track.own_pin(shot)?, time)?.value(channel, scale),
         Track::Handle(at) => handle_key_at(shot, at, time)?.value(channel, scale),
     };
     let values: Vec<Option<f64>> = times.iter().map(|&time| value(time)).collect();
@@ -207,10 +240,16 @@ pub(in crate::edit) fn samples(shot: &Shot, track: Track, channel: Channel, time
 #[must_use]
 pub(in crate::edit) fn has_channel(shot: &Shot, track: Track, channel: Channel) -> bool {
     let Some(owner) = shot.layers.get(track.layer()) else { return false };
+    let holds = |pin: &Pin| match track {
+        Track::Rotation(_) => channel.is_rotation() && !pin.rotate_keys.is_empty(),
+        Track::Scale(_) => channel == Channel::Scale && !pin.scale_keys.is_empty(),
+        _ if channel.is_rotation() => pin.rotate_keys.is_empty(),
+        _ => channel != Channel::Scale || pin.scale_keys.is_empty(),
+    };
     match (track, owner.space) {
-        (Track::Pin([_, pin]), _) => pin < owner.pins.len(),
         (Track::Handle(_), LayerSpace::Screen { .. }) if channel == Channel::Z => false,
         (Track::Handle((_, index)), _) => owner.handles.iter().any(|handle| handle.index == index),
+        _ => track.own_pin(shot).is_some_and(holds),
     }
 }
 

@@ -11,6 +11,7 @@
 //! ```
 
 mod axis_ring;
+mod channel_keys;
 mod command;
 mod curve;
 mod document;

@@ -3,8 +3,11 @@
 //! In: keys, a time, a movement. Out: keys with strictly increasing frames, at least one.
 
 use super::EditError;
-use super::track_keys::with_key;
-use crate::shot::{Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot};
+use super::channel_keys::{in_degrees, rotate_key_at, scale_key_at};
+use super::track_keys::{TimedKey, TrackKeys, with_key};
+use crate::shot::{
+    ChannelKey, Ease, FrameRange, Goal, HandleKey, HandleTrack, Layer, OffsetUnit, Pin, PinKey, Rotation, Shot,
+};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::{DVec2, DVec3};
 
@@ -53,7 +56,7 @@ pub(in crate::edit) fn key_time(frames: &FrameRange, layer: &Layer, frame: i32) 
     f64::from(frames.first + (frame - frames.first).div_euclid(step) * step)
 }
 
-/// Returns the interpolated value of a pin's keys at a time, as a key.
+/// Returns the interpolated value of a pin's keys at a time, as a key; channels that have keys of their own are left out.
 #[must_use]
 pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) -> Option<PinKey> {
     let own = shot.layers.get(layer)?.pins.get(pin)?;
@@ -63,12 +66,19 @@ pub(in crate::edit) fn key_at(shot: &Shot, [layer, pin]: [usize; 2], time: f64) 
     // Strength is excluded, as it is applied to the value of the keys.
     let target = own.keyed_target(time);
     let before = own.keys.iter().rev().find(|key| key.frame < time).or(own.keys.first());
-    let rotate_degrees = target.rotation.map(|rotation| match rotation {
-        Rotation::InView(angle) => Rotation::InView(angle.to_degrees()),
-        Rotation::Axes(angles) => Rotation::Axes(angles.map(f64::to_degrees)),
-    });
+    let rotate_degrees = target.rotation.filter(|_| own.rotate_keys.is_empty()).map(in_degrees);
+    let scale = target.log_scale.filter(|_| own.scale_keys.is_empty()).map(f64::exp);
     let ease = before.map_or(Ease::Smooth, |key| key.ease);
-    Some(PinKey { frame: time, goal: target.goal, rotate_degrees, scale: target.log_scale.map(f64::exp), ease })
+    Some(PinKey { frame: time, goal: target.goal, rotate_degrees, scale, ease })
+}
+
+/// Returns the interpolated values of all channels of a pin at a time, as a key.
+#[must_use]
+pub(in crate::edit) fn pose_at(shot: &Shot, at: [usize; 2], time: f64) -> Option<PinKey> {
+    let (key, pin) = (key_at(shot, at, time)?, shot.layers.get(at[0])?.pins.get(at[1])?);
+    let rotation = rotate_key_at(pin, time).map(|own| own.value);
+    let scale = scale_key_at(pin, time).map(|own| own.value);
+    Some(PinKey { rotate_degrees: rotation.or(key.rotate_degrees), scale: scale.or(key.scale), ..key })
 }
 
 /// What a movement on the screen means in the unit of a pin, as far as it is known.
@@ -80,7 +90,7 @@ pub(in crate::edit) struct PinScale {
     pub(in crate::edit) steps: Option<[DVec3; 2]>,
 }
 
-/// Returns the keys of a pin after a gesture at a time.
+/// Returns the keys that a gesture at a time changes: those of the pin, or of the channel that it turns or scales.
 ///
 /// # Errors
 /// [`EditError::Unusable`] if the pin has keys in the scene and is not seen, or turns about the scene's axes.
@@ -90,15 +100,62 @@ pub(in crate::edit) fn moved(
     (time, auto): (f64, AutoKey),
     change: Move,
     scale: PinScale,
-) -> Result<Vec<PinKey>, EditError> {
+) -> Result<TrackKeys, EditError> {
     let (layer, pin) = (&shot.layers[at[0]], &shot.layers[at[0]].pins[at[1]]);
     let strength = if layer.strength.abs() < 1e-6 { 1.0 } else { layer.strength };
-    let change_key = |key: &PinKey| changed(key, change, strength, (pin.unit, scale)).ok_or_else(|| in_scene(pin));
-    if auto == AutoKey::Off {
-        return pin.keys.iter().map(change_key).collect();
+    match change {
+        Move::Turn(_) | Move::TurnAbout(..) if !pin.rotate_keys.is_empty() => {
+            let turn = |key: &ChannelKey<Rotation>| {
+                let value = turned(Some(key.value), change, strength).ok_or_else(|| in_scene(pin))?;
+                Ok(ChannelKey { value, ..*key })
+            };
+            keyed(&pin.rotate_keys, rotate_key_at(pin, time), auto, turn).map(TrackKeys::Rotation)
+        }
+        Move::Grow(factor) if !pin.scale_keys.is_empty() => {
+            let grow = |key: &ChannelKey<f64>| Ok(ChannelKey { value: grown(key.value, factor, strength), ..*key });
+            keyed(&pin.scale_keys, scale_key_at(pin, time), auto, grow).map(TrackKeys::Scale)
+        }
+        _ => {
+            let change = |key: &PinKey| changed(key, change, strength, (pin.unit, scale)).ok_or_else(|| in_scene(pin));
+            keyed(&pin.keys, key_at(shot, at, time), auto, change).map(TrackKeys::Pin)
+        }
     }
-    let Some(key) = key_at(shot, at, time) else { return Ok(pin.keys.clone()) };
-    Ok(with_key(&pin.keys, change_key(&key)?))
+}
+
+/// Returns keys with the changed one of this time, or, without auto key, with all changed.
+fn keyed<K: TimedKey>(
+    keys: &[K],
+    here: Option<K>,
+    auto: AutoKey,
+    change: impl Fn(&K) -> Result<K, EditError>,
+) -> Result<Vec<K>, EditError> {
+    match (auto, here) {
+        (AutoKey::Off, _) => keys.iter().map(change).collect(),
+        (AutoKey::On, Some(key)) => Ok(with_key(keys, change(&key)?)),
+        (AutoKey::On, None) => Ok(keys.to_vec()),
+    }
+}
+
+/// Returns a rotation after a turn; `None` if it is of another kind.
+fn turned(old: Option<Rotation>, change: Move, strength: f64) -> Option<Rotation> {
+    match (change, old) {
+        (Move::Turn(degrees), None) => Some(Rotation::InView(round(degrees / strength, 1e3))),
+        (Move::Turn(degrees), Some(Rotation::InView(old))) => {
+            Some(Rotation::InView(round(old + degrees / strength, 1e3)))
+        }
+        (Move::TurnAbout(axis, degrees), None | Some(Rotation::Axes(_))) => {
+            let mut angles = if let Some(Rotation::Axes(angles)) = old { angles } else { [0.0; 3] };
+            let angle = angles.get_mut(axis)?;
+            *angle = round(*angle + degrees / strength, 1e3);
+            Some(Rotation::Axes(angles))
+        }
+        _ => None,
+    }
+}
+
+fn grown(old: f64, factor: f64, strength: f64) -> f64 {
+    let log_scale = old.ln() + factor.ln() / strength;
+    round(log_scale.exp().clamp(0.01, 100.0), 1e4)
 }
 
 /// Converts a vector of the screen to sizes of a box, along its axes.
@@ -137,28 +194,10 @@ fn changed(key: &PinKey, change: Move, strength: f64, (unit, scale): (OffsetUnit
                 Goal::SceneTarget(_) => return None,
             }
         }
-        Move::Turn(degrees) => {
-            let old = match key.rotate_degrees {
-                None => 0.0,
-                Some(Rotation::InView(angle)) => angle,
-                Some(Rotation::Axes(_)) => return None,
-            };
-            key.rotate_degrees = Some(Rotation::InView(round(old + degrees / strength, 1e3)));
+        Move::Turn(_) | Move::TurnAbout(..) => {
+            key.rotate_degrees = Some(turned(key.rotate_degrees, change, strength)?);
         }
-        Move::TurnAbout(axis, degrees) => {
-            let mut angles = match key.rotate_degrees {
-                None => [0.0; 3],
-                Some(Rotation::Axes(angles)) => angles,
-                Some(Rotation::InView(_)) => return None,
-            };
-            let angle = angles.get_mut(axis)?;
-            *angle = round(*angle + degrees / strength, 1e3);
-            key.rotate_degrees = Some(Rotation::Axes(angles));
-        }
-        Move::Grow(factor) => {
-            let log_scale = key.scale.unwrap_or(1.0).ln() + factor.ln() / strength;
-            key.scale = Some(round(log_scale.exp().clamp(0.01, 100.0), 1e4));
-        }
+        Move::Grow(factor) => key.scale = Some(grown(key.scale.unwrap_or(1.0), factor, strength)),
     }
     Some(key)
 }
@@ -232,6 +271,11 @@ mod tests {
         Shot::parse(&text, Path::new("a.toml")).expect("a shot")
     }
 
+    fn pin_keys(moved: Result<TrackKeys, EditError>) -> Vec<PinKey> {
+        let Ok(TrackKeys::Pin(keys)) = moved else { panic!("{moved:?}") };
+        keys
+    }
+
     fn offset(key: &PinKey) -> DVec2 {
         let Goal::Offset(offset) = key.goal else { panic!("{key:?}") };
         offset.0
@@ -241,11 +285,11 @@ mod tests {
     fn a_drag_keys_this_time_and_lands_under_the_pointer() {
         let shot = shot("strength = 0.5");
         let by = Move::By(DVec2::new(0.1, 0.2));
-        let keys = moved(&shot, [0, 0], (6.0, AutoKey::On), by, PinScale::default()).expect("screen keys");
+        let keys = pin_keys(moved(&shot, [0, 0], (6.0, AutoKey::On), by, PinScale::default()));
         assert_eq!(keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 6.0, 11.0]);
         // Halfway along the keys; at half strength, half of the keyed value is applied.
         assert_eq!((offset(&keys[1]), keys[1].rotate_degrees), (DVec2::new(0.7, 0.4), Some(Rotation::InView(10.0))));
-        let keys = moved(&shot, [0, 0], (6.0, AutoKey::Off), by, PinScale::default()).expect("screen keys");
+        let keys = pin_keys(moved(&shot, [0, 0], (6.0, AutoKey::Off), by, PinScale::default()));
         assert_eq!(keys.iter().map(offset).collect::<Vec<_>>(), [DVec2::new(0.2, 0.4), DVec2::new(1.2, 0.4)]);
     }
 
@@ -262,8 +306,7 @@ mod tests {
         let own = &mut shot.layers[0].pins[0];
         own.keys = vec![PinKey { rotate_degrees: Some(Rotation::Axes([10.0, 20.0, 30.0])), ..own.keys[0] }];
         let turned = |change: Move| {
-            let keys = moved(&shot, [0, 0], (1.0, AutoKey::On), change, PinScale::default()).expect("three angles");
-            keys[0].rotate_degrees
+            pin_keys(moved(&shot, [0, 0], (1.0, AutoKey::On), change, PinScale::default()))[0].rotate_degrees
         };
         assert_eq!(turned(Move::TurnAbout(1, 5.0)), Some(Rotation::Axes([10.0, 25.0, 30.0])));
         assert_eq!(turned(Move::TurnAbout(2, 5.0).mirrored()), Some(Rotation::Axes([10.0, 20.0, 25.0])));
@@ -278,7 +321,7 @@ mod tests {
         let by = Move::By(DVec2::new(0.5, 0.25));
         let steps = Some([DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 8.0)]);
         let scale = PinScale { rest_box: None, steps };
-        let keys = moved(&shot, [0, 0], (1.0, AutoKey::On), by, scale).expect("seen");
+        let keys = pin_keys(moved(&shot, [0, 0], (1.0, AutoKey::On), by, scale));
         assert_eq!(keys[0].goal, Goal::SceneOffset([2.0, 0.0, 1.0]));
         let error = moved(&shot, [0, 0], (1.0, AutoKey::On), by, PinScale::default()).expect_err("not seen");
         assert!(error.to_string().contains("in the scene"), "{error}");
@@ -295,6 +338,27 @@ mod tests {
         assert_eq!(moved([1, 2, 0], AutoKey::Off), [(1.0, 0.2), (9.0, 0.7)]);
         assert_eq!(moved([3, 3, 0], AutoKey::Off), [(1.0, 0.2)]);
         assert_eq!(moved([1, 2, 0], AutoKey::On).iter().map(|key| key.0).collect::<Vec<_>>(), [1.0, 5.0, 9.0]);
+    }
+
+    #[test]
+    fn a_gesture_changes_the_channel_with_keys_of_its_own() {
+        let mut shot = shot("");
+        let own = &mut shot.layers[0].pins[0];
+        own.keys.iter_mut().for_each(|key| key.rotate_degrees = None);
+        let key = |frame, degrees| ChannelKey { frame, value: Rotation::InView(degrees), ease: Ease::Linear };
+        own.rotate_keys = vec![key(3.0, 0.0), key(7.0, 40.0)];
+        own.scale_keys = vec![ChannelKey { frame: 2.0, value: 2.0, ease: Ease::Hold }];
+        let moved = |auto, change| moved(&shot, [0, 0], (5.0, auto), change, PinScale::default()).expect("seen");
+        let turned = [key(3.0, 0.0), key(5.0, 30.0), key(7.0, 40.0)];
+        assert_eq!(moved(AutoKey::On, Move::Turn(10.0)), TrackKeys::Rotation(turned.to_vec()));
+        assert_eq!(moved(AutoKey::Off, Move::Turn(10.0)), TrackKeys::Rotation(vec![key(3.0, 10.0), key(7.0, 50.0)]));
+        let grown = ChannelKey { frame: 2.0, value: 3.0, ease: Ease::Hold };
+        assert_eq!(moved(AutoKey::Off, Move::Grow(1.5)), TrackKeys::Scale(vec![grown]));
+        let TrackKeys::Pin(keys) = moved(AutoKey::On, Move::By(DVec2::ONE)) else { panic!("keys of the place") };
+        assert!(keys.len() == 3 && keys.iter().all(|key| key.rotate_degrees.is_none() && key.scale.is_none()));
+        let pose = pose_at(&shot, [0, 0], 7.0).expect("it is there");
+        assert_eq!(pose.rotate_degrees, Some(Rotation::InView(40.0)));
+        assert!(pose.scale.is_some_and(|scale| (scale - 2.0).abs() < 1e-12), "{pose:?}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! In: keys, a channel. Out: values, tangents, and keys with changed values.
 
 use super::curve::{Channel, CurveKey, Tangent, bent, tangents, with_key_moved};
-use super::track_keys::{KeyEdit, TrackKeys};
+use super::track_keys::{KeyEdit, TrackKeys, changed_keys, with_keys};
 
 impl TrackKeys {
     /// Returns the values of the keys in a channel as (time, value).
@@ -12,10 +12,7 @@ impl TrackKeys {
         fn of<K: CurveKey>(keys: &[K], channel: Channel, scale: f64) -> Vec<[f64; 2]> {
             keys.iter().filter_map(|key| Some([key.time(), key.value(channel, scale)?])).collect()
         }
-        match self {
-            Self::Pin(keys) => of(keys, channel, scale),
-            Self::Handle(keys) => of(keys, channel, scale),
-        }
+        with_keys!(self, keys => of(keys, channel, scale))
     }
 
     /// Returns the keys with those at some times changed by an amount in a channel.
@@ -26,44 +23,32 @@ impl TrackKeys {
             let change = |key: &K| raised(key).filter(|_| times.contains(&key.time())).unwrap_or(*key);
             keys.iter().map(change).collect()
         }
-        match self {
-            Self::Pin(keys) => Self::Pin(of(keys, times, channel, (by, scale))),
-            Self::Handle(keys) => Self::Handle(of(keys, times, channel, (by, scale))),
-        }
+        changed_keys!(self, keys => of(keys, times, channel, (by, scale)))
     }
 
     /// Returns the tangents at the keys of some times.
     #[must_use]
     pub(in crate::edit) fn tangents(&self, times: &[f64], channel: Channel, scale: f64) -> Vec<Tangent> {
-        match self {
-            Self::Pin(keys) => tangents(keys, times, channel, scale),
-            Self::Handle(keys) => tangents(keys, times, channel, scale),
-        }
+        with_keys!(self, keys => tangents(keys, times, channel, scale))
     }
 
     /// Returns the keys after a tangent's end is moved to (time, value), as [`bent`].
     #[must_use]
     pub(in crate::edit) fn bent(&self, tangent: (f64, usize), channel: Channel, to: ([f64; 2], f64)) -> Option<Self> {
-        let ease = match self {
-            Self::Pin(keys) => bent(keys, tangent, channel, to),
-            Self::Handle(keys) => bent(keys, tangent, channel, to),
-        };
+        let ease = with_keys!(self, keys => bent(keys, tangent, channel, to));
         Some(self.edited(KeyEdit::Ease(ease?), &[tangent.0]))
     }
 
     /// Returns the keys after one is moved to another time and value, and its time, as [`with_key_moved`].
     #[must_use]
     pub(in crate::edit) fn moved(&self, from: f64, channel: Channel, to: ([f64; 2], f64)) -> Option<(Self, f64)> {
-        match self {
-            Self::Pin(keys) => {
-                let (keys, time) = with_key_moved(keys, from, channel, to)?;
-                Some((Self::Pin(keys), time))
-            }
-            Self::Handle(keys) => {
-                let (keys, time) = with_key_moved(keys, from, channel, to)?;
-                Some((Self::Handle(keys), time))
-            }
-        }
+        let landed;
+        let moved = changed_keys!(self, keys => {
+            let (keys, time) = with_key_moved(keys, from, channel, to)?;
+            landed = time;
+            keys
+        });
+        Some((moved, landed))
     }
 }
 

@@ -1,14 +1,18 @@
-//! The keys of one pin or handle, and timeline edits of them that are the same for both.
+//! The keys of one pin or handle, or of a channel that has keys of its own, and timeline edits of them that are the same for all.
 //!
 //! In: keys, a change. Out: keys with strictly increasing frames, at least one.
 
-use crate::shot::{Ease, HandleKey, LayerSpace, PinKey, Shot};
+use crate::shot::{ChannelKey, Ease, HandleKey, LayerSpace, Pin, PinKey, Rotation, Shot};
 
 /// What has keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Track {
-    /// A pin: indices of layer and pin.
+    /// A pin, without the channels that have keys of their own: indices of layer and pin.
     Pin([usize; 2]),
+    /// The rotation of a pin, if it has keys of its own.
+    Rotation([usize; 2]),
+    /// The scale of a pin, if it has keys of its own.
+    Scale([usize; 2]),
     /// A handle: index of the layer, coordinates in its lattice.
     Handle((usize, [usize; 3])),
 }
@@ -26,51 +30,89 @@ impl From<(usize, [usize; 3])> for Track {
 }
 
 impl Track {
+    /// Returns what has keys of a pin: itself, then the channels with keys of their own.
+    #[must_use]
+    pub(in crate::edit) fn of_pin(shot: &Shot, at: [usize; 2]) -> Vec<Self> {
+        let all = [Self::Pin(at), Self::Rotation(at), Self::Scale(at)];
+        all.into_iter().filter(|track| *track == Self::Pin(at) || !track.times(shot).is_empty()).collect()
+    }
+
     /// Returns the index of the layer.
     #[must_use]
     pub(crate) const fn layer(self) -> usize {
         match self {
-            Self::Pin([layer, _]) | Self::Handle((layer, _)) => layer,
+            Self::Pin([layer, _]) | Self::Rotation([layer, _]) | Self::Scale([layer, _]) | Self::Handle((layer, _)) => {
+                layer
+            }
+        }
+    }
+
+    /// Returns the indices of layer and pin; `None` for handles.
+    #[must_use]
+    pub(crate) const fn pin(self) -> Option<[usize; 2]> {
+        match self {
+            Self::Pin(at) | Self::Rotation(at) | Self::Scale(at) => Some(at),
+            Self::Handle(_) => None,
+        }
+    }
+
+    /// Returns the name of the channel that has keys of its own.
+    #[must_use]
+    pub(crate) const fn channel_name(self) -> Option<&'static str> {
+        match self {
+            Self::Rotation(_) => Some("rotation"),
+            Self::Scale(_) => Some("scale"),
+            Self::Pin(_) | Self::Handle(_) => None,
         }
     }
 
     /// Returns the display name; empty if there is no such pin or handle.
     #[must_use]
     pub(crate) fn name(self, shot: &Shot) -> String {
-        let layer = shot.layers.get(self.layer());
-        match self {
-            Self::Pin([_, pin]) => {
-                layer.and_then(|layer| layer.pins.get(pin)).map_or_else(String::new, |pin| pin.name.clone())
-            }
-            Self::Handle((_, index)) => {
-                let axes = layer.map_or(&index[..], |layer| axes_of(layer.space, &index));
-                format!("handle {}", axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
-            }
+        if let Self::Handle((layer, index)) = self {
+            let axes = shot.layers.get(layer).map_or(&index[..], |layer| axes_of(layer.space, &index));
+            return format!("handle {}", axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "));
         }
+        let pin = self.own_pin(shot).map_or("", |pin| pin.name.as_str());
+        self.channel_name().map_or_else(|| pin.to_owned(), |channel| format!("{pin} {channel}"))
     }
 
-    /// Returns the keys; `None` if there is no such pin, or a handle that was never moved.
+    /// Returns the pin; `None` if there is none.
+    #[must_use]
+    pub(in crate::edit) fn own_pin(self, shot: &Shot) -> Option<&Pin> {
+        let [layer, pin] = self.pin()?;
+        shot.layers.get(layer)?.pins.get(pin)
+    }
+
+    /// Returns the keys; `None` if there is no such pin, a handle that was never moved, or a channel without keys of its own.
     #[must_use]
     pub(in crate::edit) fn keys(self, shot: &Shot) -> Option<TrackKeys> {
-        let layer = shot.layers.get(self.layer())?;
-        match self {
-            Self::Pin([_, pin]) => Some(TrackKeys::Pin(layer.pins.get(pin)?.keys.clone())),
-            Self::Handle((_, index)) => {
-                let track = layer.handles.iter().find(|track| track.index == index)?;
-                Some(TrackKeys::Handle(track.keys.clone()))
+        let pin = self.own_pin(shot);
+        let keys = match self {
+            Self::Pin(_) => TrackKeys::Pin(pin?.keys.clone()),
+            Self::Rotation(_) => {
+                TrackKeys::Rotation(pin.filter(|pin| !pin.rotate_keys.is_empty())?.rotate_keys.clone())
             }
-        }
+            Self::Scale(_) => TrackKeys::Scale(pin.filter(|pin| !pin.scale_keys.is_empty())?.scale_keys.clone()),
+            Self::Handle((layer, index)) => {
+                let track = shot.layers.get(layer)?.handles.iter().find(|track| track.index == index)?;
+                TrackKeys::Handle(track.keys.clone())
+            }
+        };
+        Some(keys)
     }
 
     /// Returns the times and eases of the keys.
     #[must_use]
     pub(crate) fn times(self, shot: &Shot) -> Vec<(f64, Ease)> {
-        let Some(layer) = shot.layers.get(self.layer()) else { return Vec::new() };
+        let pin = self.own_pin(shot);
         match self {
-            Self::Pin([_, pin]) => layer.pins.get(pin).map_or_else(Vec::new, |pin| times(&pin.keys)),
-            Self::Handle((_, index)) => {
-                let track = layer.handles.iter().find(|track| track.index == index);
-                track.map_or_else(Vec::new, |track| times(&track.keys))
+            Self::Pin(_) => pin.map_or_else(Vec::new, |pin| times(&pin.keys)),
+            Self::Rotation(_) => pin.map_or_else(Vec::new, |pin| times(&pin.rotate_keys)),
+            Self::Scale(_) => pin.map_or_else(Vec::new, |pin| times(&pin.scale_keys)),
+            Self::Handle((layer, index)) => {
+                let handles = shot.layers.get(layer).map_or(&[][..], |layer| &layer.handles);
+                handles.iter().find(|track| track.index == index).map_or_else(Vec::new, |track| times(&track.keys))
             }
         }
     }
@@ -88,7 +130,7 @@ pub(in crate::edit) fn axes_of(space: LayerSpace, index: &[usize; 3]) -> &[usize
     }
 }
 
-/// A key of a pin or a handle.
+/// A key of a pin, of a channel or of a handle.
 pub(in crate::edit) trait TimedKey: Copy {
     /// Its time.
     fn time(&self) -> f64;
@@ -122,32 +164,64 @@ macro_rules! timed_keys {
     )*};
 }
 
-timed_keys!(PinKey, HandleKey);
+timed_keys!(PinKey, ChannelKey<Rotation>, ChannelKey<f64>, HandleKey);
 
-/// The keys of a pin or a handle.
+/// The keys of a [`Track`].
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::edit) enum TrackKeys {
     Pin(Vec<PinKey>),
+    Rotation(Vec<ChannelKey<Rotation>>),
+    Scale(Vec<ChannelKey<f64>>),
     Handle(Vec<HandleKey>),
 }
+
+/// Evaluates an expression with keys of whichever kind.
+macro_rules! with_keys {
+    ($own:expr, $keys:ident => $result:expr) => {
+        match $own {
+            TrackKeys::Pin($keys) => $result,
+            TrackKeys::Rotation($keys) => $result,
+            TrackKeys::Scale($keys) => $result,
+            TrackKeys::Handle($keys) => $result,
+        }
+    };
+}
+
+/// Evaluates an expression with keys of whichever kind, which returns keys of the same kind.
+macro_rules! changed_keys {
+    ($own:expr, $keys:ident => $result:expr) => {
+        match $own {
+            TrackKeys::Pin($keys) => TrackKeys::Pin($result),
+            TrackKeys::Rotation($keys) => TrackKeys::Rotation($result),
+            TrackKeys::Scale($keys) => TrackKeys::Scale($result),
+            TrackKeys::Handle($keys) => TrackKeys::Handle($result),
+        }
+    };
+}
+
+pub(in crate::edit) use {changed_keys, with_keys};
 
 impl TrackKeys {
     /// Returns the times and eases.
     #[must_use]
     pub(in crate::edit) fn times(&self) -> Vec<(f64, Ease)> {
+        with_keys!(self, keys => times(keys))
+    }
+
+    /// Replaces the keys of a pin by these; those of handles change nothing.
+    pub(in crate::edit) fn put_into(self, pin: &mut Pin) {
         match self {
-            Self::Pin(keys) => times(keys),
-            Self::Handle(keys) => times(keys),
+            Self::Pin(keys) => pin.keys = keys,
+            Self::Rotation(keys) => pin.rotate_keys = keys,
+            Self::Scale(keys) => pin.scale_keys = keys,
+            Self::Handle(_) => {}
         }
     }
 
     /// Returns the keys after a change of those at some times.
     #[must_use]
     pub(in crate::edit) fn edited(&self, edit: KeyEdit, times: &[f64]) -> Self {
-        match self {
-            Self::Pin(keys) => Self::Pin(edit.apply(keys, times)),
-            Self::Handle(keys) => Self::Handle(edit.apply(keys, times)),
-        }
+        changed_keys!(self, keys => edit.apply(keys, times))
     }
 
     /// Returns the keys at some times only.
@@ -156,10 +230,7 @@ impl TrackKeys {
         fn of<K: TimedKey>(keys: &[K], times: &[f64]) -> Vec<K> {
             keys.iter().filter(|key| times.contains(&key.time())).copied().collect()
         }
-        match self {
-            Self::Pin(keys) => Self::Pin(of(keys, times)),
-            Self::Handle(keys) => Self::Handle(of(keys, times)),
-        }
+        changed_keys!(self, keys => of(keys, times))
     }
 
     /// Returns the keys with others of the same kind, moved by a number of frames; they replace those at the same times.
@@ -170,13 +241,15 @@ impl TrackKeys {
         }
         match (self, added) {
             (Self::Pin(keys), Self::Pin(added)) => Some(Self::Pin(of(keys, added, by))),
+            (Self::Rotation(keys), Self::Rotation(added)) => Some(Self::Rotation(of(keys, added, by))),
+            (Self::Scale(keys), Self::Scale(added)) => Some(Self::Scale(of(keys, added, by))),
             (Self::Handle(keys), Self::Handle(added)) => Some(Self::Handle(of(keys, added, by))),
             _ => None,
         }
     }
 }
 
-/// A change of chosen keys, the same for pins and handles.
+/// A change of chosen keys, the same for pins, channels and handles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::edit) enum KeyEdit {
     /// They are removed; the last key of a pin or handle is kept.

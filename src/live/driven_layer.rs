@@ -48,7 +48,7 @@ pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (Ow
 
 /// Returns the time of the layer's first key.
 fn first_key(layer: &Layer) -> f64 {
-    let pins = layer.pins.iter().filter_map(|pin| Some(pin.keys.first()?.frame));
+    let pins = layer.pins.iter().flat_map(crate::shot::Pin::key_frames);
     let handles = layer.handles.iter().filter_map(|handle| Some(handle.keys.first()?.frame));
     pins.chain(handles).fold(f64::INFINITY, f64::min)
 }
@@ -82,5 +82,7 @@ fn driven_pin(index: usize, pin: &Pin, start: f64, goals: Goals) -> crate::shot:
         weight: 1.0,
         is_muted: false,
         keys: vec![key(start, Goals::AtRest), key(start + 1.0, goals)],
+        rotate_keys: Vec::new(),
+        scale_keys: Vec::new(),
     }
 }

@@ -6,7 +6,7 @@ use super::base_scene::BaseScene;
 use super::{Controls, LiveError, Pin, PinRegion, ShapeSource, ShotShape, solve};
 use crate::pipeline::{LayerTask, PinAnchor, PreparedShot, RestPoint};
 use crate::plate::Filter;
-use crate::shot::{Ease, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
+use crate::shot::{Ease, FrameRange, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
 use crate::solve::Cancel;
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use crate::spelling::pluralised;
@@ -147,8 +147,10 @@ impl Reader<'_> {
                 region: self.region(number),
                 ..Pin::new(rest.point, rest.point)
             });
-            let keys = self.layer.pins[number].keys.iter();
-            let keys = keys.map(|key| Ok(track_key(key, rest.point + goal(key.goal, key.frame)?)));
+            let keys = values_of(&self.layer.pins[number], self.prepared.shot.frames);
+            let keys = keys
+                .into_iter()
+                .map(|(goal_of_key, key)| Ok(TrackKey { target: rest.point + goal(goal_of_key, key.frame)?, ..key }));
             let name = self.layer.pins[number].name.clone();
             let keys = keys.collect::<Result<_, LiveError>>()?;
             tracks.push(PinTrack { name, rest: rest.point, keys, region: self.region(number) });
@@ -222,6 +224,9 @@ impl Reader<'_> {
         if pin.unit == OffsetUnit::Box || matches!(pin.keys.first().map(|key| key.goal), Some(Goal::Target(_))) {
             doubts.push(told("has goals relative to the box or the screen: they are exact only at its keys".into()));
         }
+        if has_own_channels(pin) {
+            doubts.push(told("keys its rotation or scale on frames of their own: it gets a key in every frame".into()));
+        }
         if pin.region.is_some() && pin.unit == OffsetUnit::Box {
             doubts.push(told("has a region measured relative to the box, which only the file can express".into()));
         }
@@ -229,12 +234,39 @@ impl Reader<'_> {
     }
 }
 
-fn track_key(key: &PinKey, target: ScreenPoint) -> TrackKey {
-    let rotation = match key.rotate_degrees {
-        Some(Rotation::InView(degrees)) => Some(degrees.to_radians()),
+const fn has_own_channels(pin: &crate::shot::Pin) -> bool {
+    !pin.rotate_keys.is_empty() || !pin.scale_keys.is_empty()
+}
+
+/// Returns goals and keys of a pin, whose targets follow from the goals. If channels have keys of their own, there is a key in every
+/// frame of the shot between the first and the last, which keeps the motion of all.
+fn values_of(pin: &crate::shot::Pin, frames: FrameRange) -> Vec<(Goal, TrackKey)> {
+    let in_view = |rotation: Option<Rotation>| match rotation {
+        Some(Rotation::InView(angle)) => Some(angle),
         _ => None,
     };
-    TrackKey { frame: key.frame, target, rotation, scale: key.scale, ease: key.ease }
+    let target = ScreenPoint::default();
+    if !has_own_channels(pin) {
+        let own = |key: &PinKey| {
+            let rotation = in_view(key.rotate_degrees).map(f64::to_radians);
+            (key.goal, TrackKey { frame: key.frame, target, rotation, scale: key.scale, ease: key.ease })
+        };
+        return pin.keys.iter().map(own).collect();
+    }
+    let mut times: Vec<f64> = pin.key_frames().collect();
+    times.sort_by(f64::total_cmp);
+    if let [first, .., last] = *times.as_slice() {
+        let inner = (frames.first..=frames.last).map(f64::from).filter(|frame| (first..last).contains(frame));
+        times.extend(inner.take(MAX_FRAMES as usize));
+        times.sort_by(f64::total_cmp);
+    }
+    times.dedup();
+    let sampled = |frame: f64| {
+        let now = pin.keyed_target(frame);
+        let (rotation, scale) = (in_view(now.rotation), now.log_scale.map(f64::exp));
+        (now.goal, TrackKey { frame, target, rotation, scale, ease: Ease::Linear })
+    };
+    times.into_iter().map(sampled).collect()
 }
 
 #[cfg(test)]
@@ -250,5 +282,28 @@ mod tests {
         // A target that moves with the rest position has no offset from it.
         assert!(track.keys.iter().all(|key| key.target.0.y == track.rest.0.y), "{track:?}");
         assert_eq!(PinTrack::sampled("still".into(), &[], [7.0, 0.0], at).keys.len(), 1);
+    }
+
+    #[test]
+    fn a_pin_whose_rotation_has_own_keys_gets_a_key_in_every_frame() {
+        let text = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n[[layer]]\n[[layer.pin]]\n\
+                    anchor = { screen = [0.5, 0.5], frame = 1 }\n\
+                    keys = [{ frame = 1, offset = [0, 0], ease = 'hold' }, { frame = 3, offset = [0.2, 0] }]\n";
+        let values = |text: &str| {
+            let shot = crate::shot::Shot::parse(text, "a.toml".as_ref()).expect("a shot");
+            values_of(&shot.layers[0].pins[0], shot.frames)
+        };
+        let plain: Vec<_> = values(text).iter().map(|(_, key)| (key.frame, key.rotation, key.ease)).collect();
+        assert_eq!(plain, [(1.0, None, Ease::Hold), (3.0, None, Ease::Linear)]);
+        let own = format!("{text}rotate_keys = [{{ frame = 2.5, value = 0 }}, {{ frame = 5, value = 100 }}]");
+        let wanted =
+            [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.5, 0.0, 0.0], [3.0, 0.2, 20.0], [4.0, 0.2, 60.0], [5.0, 0.2, 100.0]];
+        let found = values(&own);
+        assert_eq!(found.len(), wanted.len());
+        for ((goal, key), [frame, x, degrees]) in found.into_iter().zip(wanted) {
+            let (Goal::Offset(offset), Some(angle)) = (goal, key.rotation) else { unreachable!("{goal:?}") };
+            assert!((offset.0.x - x).abs() < 1e-12 && (angle.to_degrees() - degrees).abs() < 1e-9, "{key:?}");
+            assert_eq!((key.frame, key.scale, key.ease), (frame, None, Ease::Linear));
+        }
     }
 }

@@ -71,8 +71,7 @@ impl Layer {
     #[must_use]
     pub(crate) fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {
         let held = held_frame(frames, self.step, frame);
-        let keys = self.pins.iter().flat_map(|pin| pin.keys.iter().map(|key| key.frame));
-        let mut times: Vec<f64> = keys.collect();
+        let mut times: Vec<f64> = self.pins.iter().flat_map(Pin::key_frames).collect();
         times.extend(self.handles.iter().flat_map(|handle| handle.keys.iter().map(|key| key.frame)));
         times.retain(|&time| time < held);
         times.push(held);
@@ -120,14 +119,28 @@ fn spoken_of(layer: &Layer) -> Vec<Spoken> {
 }
 
 fn spoken(pin: &Pin) -> Spoken {
+    let own_rotation = pin.rotate_keys.first().map(|key| key.value);
     Spoken {
-        rotation: pin.keys.iter().find_map(|key| key.rotate_degrees),
-        is_scaled: pin.keys.iter().any(|key| key.scale.is_some()),
+        rotation: own_rotation.or_else(|| pin.keys.iter().find_map(|key| key.rotate_degrees)),
+        is_scaled: !pin.scale_keys.is_empty() || pin.keys.iter().any(|key| key.scale.is_some()),
     }
 }
 
-#[cfg(feature = "editor")]
 impl Pin {
+    /// Takes unit and keys of another pin.
+    pub(super) fn copy_keys(&mut self, other: &Self) {
+        self.unit = other.unit;
+        self.keys.clone_from(&other.keys);
+        self.rotate_keys.clone_from(&other.rotate_keys);
+        self.scale_keys.clone_from(&other.scale_keys);
+    }
+
+    /// Returns the frames of all keys, channel by channel.
+    pub(crate) fn key_frames(&self) -> impl Iterator<Item = f64> {
+        let rotation = self.rotate_keys.iter().map(|key| key.frame);
+        self.keys.iter().map(|key| key.frame).chain(rotation).chain(self.scale_keys.iter().map(|key| key.frame))
+    }
+
     /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
     #[must_use]
     pub(crate) fn keyed_target(&self, frame: f64) -> PinTarget {
@@ -176,20 +189,35 @@ fn pin_at(pin: &Pin, spoken: Spoken, frame: f64, strength: f64) -> PinTarget {
         // Validation ensures that a pin's goals are of one kind.
         (from, _) => from,
     };
-    let log_scale = |key: &PinKey| key.scale.map(f64::ln);
-    let mixed = mix(log_scale(span.from).unwrap_or(0.0), log_scale(span.to).unwrap_or(0.0), span.weight);
-    let rotation = spoken.rotation.map(|kind| rotation_at(kind, &span, strength));
-    PinTarget { goal, rotation, log_scale: spoken.is_scaled.then_some(mixed * strength) }
+    let log_scale = match Span::of(&pin.scale_keys, frame, |key| (key.frame, key.ease)) {
+        Some(own) => mix(own.from.value.ln(), own.to.value.ln(), own.weight),
+        None => {
+            let log_scale = |key: &PinKey| key.scale.map_or(0.0, f64::ln);
+            mix(log_scale(span.from), log_scale(span.to), span.weight)
+        }
+    };
+    let rotation = spoken.rotation.map(|kind| {
+        let mixed = match Span::of(&pin.rotate_keys, frame, |key| (key.frame, key.ease)) {
+            Some(own) => mix_all(angles(Some(own.from.value)), angles(Some(own.to.value)), own.weight),
+            None => mix_all(angles(span.from.rotate_degrees), angles(span.to.rotate_degrees), span.weight),
+        };
+        radians(kind, mixed, strength)
+    });
+    PinTarget { goal, rotation, log_scale: spoken.is_scaled.then_some(log_scale * strength) }
 }
 
-/// Interpolates each angle separately, in radians.
-fn rotation_at(kind: Rotation, span: &Span<PinKey>, strength: f64) -> Rotation {
-    let angles = |key: &PinKey| match key.rotate_degrees {
+/// Returns the angles of a rotation, of which one in the view has only the first.
+fn angles(rotation: Option<Rotation>) -> [f64; 3] {
+    match rotation {
         None => [0.0; 3],
         Some(Rotation::InView(angle)) => [angle, 0.0, 0.0],
         Some(Rotation::Axes(angles)) => angles,
-    };
-    let mixed = mix_all(angles(span.from), angles(span.to), span.weight).map(|angle| angle.to_radians() * strength);
+    }
+}
+
+/// Returns a rotation of this kind in radians, with strength applied.
+fn radians(kind: Rotation, degrees: [f64; 3], strength: f64) -> Rotation {
+    let mixed = degrees.map(|angle| angle.to_radians() * strength);
     match kind {
         Rotation::InView(_) => Rotation::InView(mixed[0]),
         Rotation::Axes(_) => Rotation::Axes(mixed),
@@ -228,5 +256,69 @@ impl<'a, K> Span<'a, K> {
         let Some(to) = keys.get(after) else { return Some(Self { from, to: from, weight: 0.0 }) };
         let ((start, ease), (end, _)) = (timing(from), timing(to));
         Some(Self { from, to, weight: eased(ease, (frame - start) / (end - start)) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn shot(more: &str) -> Shot {
+        let text = format!(
+            "scene = 'a.glb'\nframes = {{ first = 1, last = 24 }}\n[[layer]]\n[[layer.pin]]\nname = 'p'\n\
+             anchor = {{ screen = [0.5, 0.5], frame = 1 }}\n\
+             keys = [{{ frame = 1, offset = [0, 0] }}, {{ frame = 11, offset = [1, 0] }}]\n{more}"
+        );
+        Shot::parse(&text, Path::new("a.toml")).expect("a shot")
+    }
+
+    const OWN: &str = "rotate_keys = [{ frame = 1, value = 0 }, { frame = 5, value = 360, ease = 'hold' }, { frame = 9, value = 90 }]\n\
+                       scale_keys = [{ frame = 3, value = 1, ease = 'smooth' }, { frame = 7, value = 4 }]";
+
+    #[test]
+    fn every_channel_follows_its_own_keys() {
+        // Frame, x, degrees, power of four of the scale: 3t² − 2t³ is 0.15625 at a quarter.
+        let table = [
+            [-3.0, 0.0, 0.0, 0.0],
+            [3.0, 0.2, 180.0, 0.0],
+            [4.0, 0.3, 270.0, 0.15625],
+            [5.0, 0.4, 360.0, 0.5],
+            [7.0, 0.6, 360.0, 1.0],
+            [8.9, 0.79, 360.0, 1.0],
+            [9.0, 0.8, 90.0, 1.0],
+            [20.0, 1.0, 90.0, 1.0],
+        ];
+        let shot = shot(OWN);
+        for [frame, x, degrees, power] in table {
+            let PinTarget { goal, rotation, log_scale } = shot.pin_targets(0, frame).pins[0];
+            let (Goal::Offset(offset), Some(Rotation::InView(angle))) = (goal, rotation) else {
+                unreachable!("{goal:?}")
+            };
+            let found = [offset.0.x, angle.to_degrees(), log_scale.expect("scaled") / 4.0_f64.ln()];
+            let is_near = found.iter().zip([x, degrees, power]).all(|(found, wanted)| (found - wanted).abs() < 1e-9);
+            assert!(is_near, "{frame}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn strength_and_the_path_take_all_keys_in() {
+        let plain = shot(OWN);
+        let half = Shot::parse(
+            "scene = 'a.glb'\nframes = { first = 1, last = 24 }\nstrength = 0.5\n[[layer]]\n[[layer.pin]]\n\
+             anchor = { screen = [0.5, 0.5], frame = 1 }\nrotate_keys = [{ frame = 1, value = 90 }]",
+            Path::new("a.toml"),
+        );
+        let target = half.expect("a shot").pin_targets(0, 3.0).pins[0];
+        assert_eq!((target.rotation, target.log_scale), (Some(Rotation::InView(45.0_f64.to_radians())), None));
+        // Frames 1, 3, 5, 7, 9, 11: half a turn takes six points, three quarters of a turn nine, and two frames two.
+        assert_eq!(plain.pin_path(0, 11.0).len(), 6 + 6 + 2 + 9 + 2 + 1);
+        let last = plain.range_notes();
+        assert!(last.is_empty(), "{last:?}");
+        let notes = shot("scale_keys = [{ frame = 30, value = 2 }]").range_notes();
+        assert!(
+            notes.len() == 1 && notes[0].contains("1 key lies outside") && notes[0].contains("frame 30"),
+            "{notes:?}"
+        );
     }
 }

@@ -79,7 +79,8 @@ impl Shot {
         for layer in 0..self.layers.len() {
             for pin in 0..self.layers[layer].pins.len() {
                 if let Some(mirror) = self.layers[layer].pins[pin].mirror {
-                    self.layers[layer].pins[pin].keys = self.layers[mirror.layer].pins[mirror.pin].keys.clone();
+                    let followed = self.layers[mirror.layer].pins[mirror.pin].clone();
+                    self.layers[layer].pins[pin].copy_keys(&followed);
                 }
             }
         }
@@ -359,6 +360,10 @@ pub struct Pin {
     pub order: Vec<OrderKey>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
+    /// Keys of its rotation alone, frames strictly increasing; `keys` then hold none. Empty: `keys` hold the rotation.
+    pub rotate_keys: Vec<ChannelKey<Rotation>>,
+    /// Keys of its scale alone, as `rotate_keys`.
+    pub scale_keys: Vec<ChannelKey<f64>>,
 }
 
 /// The region that a pin carries.
@@ -450,10 +455,21 @@ pub struct PinKey {
     pub frame: f64,
     /// Its goal.
     pub goal: Goal,
-    /// Rotation in degrees; `None`: unconstrained.
+    /// Rotation in degrees; `None`: unconstrained, or in [`Pin::rotate_keys`].
     pub rotate_degrees: Option<Rotation>,
-    /// Scale; `None`: unconstrained.
+    /// Scale; `None`: unconstrained, or in [`Pin::scale_keys`].
     pub scale: Option<f64>,
+    /// Easing of the segment that starts at this key.
+    pub ease: Ease,
+}
+
+/// A key of one channel of a pin: of its rotation, in degrees, or of its scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelKey<V> {
+    /// Its frame.
+    pub frame: f64,
+    /// The value.
+    pub value: V,
     /// Easing of the segment that starts at this key.
     pub ease: Ease,
 }

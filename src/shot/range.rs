@@ -2,7 +2,7 @@
 //!
 //! In: a [`Shot`]. Out: notes for the user.
 
-use super::{Anchor, Cut, FrameRange, Layer, Shot};
+use super::{Anchor, Cut, FrameRange, Layer, Pin, Shot};
 use crate::spelling::pluralised;
 
 impl Shot {
@@ -37,7 +37,7 @@ fn notes_of(layer: &Layer, frames: FrameRange) -> Vec<String> {
             ));
         }
     }
-    let pins = layer.pins.iter().flat_map(|pin| &pin.keys).map(|key| key.frame);
+    let pins = layer.pins.iter().flat_map(Pin::key_frames);
     let keys = pins.chain(layer.handles.iter().flat_map(|handle| &handle.keys).map(|key| key.frame));
     let outside: Vec<f64> = keys.filter(|&key| key < f64::from(first) || key > f64::from(last)).collect();
     if let Some(example) = outside.first() {

@@ -120,3 +120,39 @@ fn a_key_that_is_bound_anew_acts_and_the_old_one_does_not() {
     click(&mut window, &["View"]);
     assert!(says(&window, "Alt+J"), "menus name it");
 }
+
+#[test]
+fn a_rotation_is_keyed_separately_in_a_row_of_its_own() {
+    let turned = PINS.replacen("offset = [0.1, 0.0] }", "offset = [0.1, 0.0], rotate = 20 }", 1);
+    let stage = Stage::with(&turned);
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let text = session(&window).document().text().to_owned();
+    focus(&mut window, "Keys of a");
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert!(window.query_by_label("Keys of a rotation").is_none());
+    window.get_by_label("Key rotation separately").click_accesskit();
+    window.run_steps(3);
+    let own = |window: &Window| -> Vec<f64> {
+        let pin = &session(window).document().shot().layers[0].pins[0];
+        pin.rotate_keys.iter().map(|key| key.frame).collect()
+    };
+    assert_eq!(own(&window), [1.0, 3.0, 6.0]);
+    focus(&mut window, "Keys of a rotation");
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    press(&mut window, Modifiers::ALT, Key::ArrowRight);
+    assert_eq!((own(&window), times(&window, 0)), (vec![1.0, 4.0, 6.0], vec![1.0, 3.0, 6.0]));
+    assert!(window.query_by_label("Key of a rotation, frame 4, Linear").is_some());
+    // Frames that differ cannot be joined.
+    window.get_by_label("Join rotation with the keys of the pin").click_accesskit();
+    window.run_steps(3);
+    assert!(session(&window).message().is_some_and(|text| text.contains("a key in frame 4")));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    window.get_by_label("Join rotation with the keys of the pin").click_accesskit();
+    window.run_steps(3);
+    assert_eq!(own(&window), [0.0; 0]);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(session(&window).document().text(), text);
+}

@@ -1,6 +1,6 @@
 //! What a pin can be told beside where it goes: weight, rest, stiffness, its other side; and what becomes of keys and handles.
 
-use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
+use crate::stage::{PINS, REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
 use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
 use pinwarp::shot::{Goal, Pin, Rotation};
 
@@ -253,4 +253,33 @@ fn a_ring_can_be_dragged_around_more_than_once() {
         let key = pin(&session, 0, 0).keys[0];
         assert_eq!(key.rotate_degrees, Some(Rotation::InView(turned)), "{from} to {to} turns");
     }
+}
+
+#[test]
+fn a_ring_turns_the_keys_that_a_rotation_has_of_its_own() {
+    let own = "frame = 6, offset = [0.0, 0.0] }]\n\
+               rotate_keys = [{ frame = 1, value = 0 }, { frame = 5, value = 40, ease = \"smooth\" }] # apart\n";
+    let stage = Stage::with(&PINS.replacen("frame = 6, offset = [0.0, 0.0] }]\n", own, 1));
+    let mut session = stage.session();
+    let (text, before) = (session.document().text().to_owned(), pin(&session, 0, 0).clone());
+    session.go(5);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    session.selection.pins = [[0, 0]].into();
+    let center = session.marks()[0].pins[0].target.0;
+    let on = |turns: f64| {
+        let (sin, cos) = (turns * std::f64::consts::TAU).sin_cos();
+        at(center.x + 0.2 * cos, center.y + 0.2 * sin)
+    };
+    session.press(on(0.0), (REACH, Ring { radius: 0.2, reach: 0.02 }), Held::default());
+    (1..=4).for_each(|step| session.motion(on(0.0625 * f64::from(step))));
+    session.release();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let after = pin(&session, 0, 0);
+    assert_eq!((&after.keys, after.rotate_keys[0]), (&before.keys, before.rotate_keys[0]));
+    let turned = pinwarp::shot::ChannelKey { value: Rotation::InView(130.0), ..before.rotate_keys[1] };
+    assert_eq!(after.rotate_keys[1..], [turned]);
+    assert_eq!(session.document().history().labels().last(), Some("Turn pin"));
+    assert_eq!(session.document().text(), text.replace("value = 40", "value = 130.0"));
+    session.undo();
+    assert_eq!(session.document().text(), text);
 }

@@ -5,22 +5,33 @@
 use super::Session;
 use crate::edit::track::{key_time, with_handle_key};
 use crate::edit::track_keys::{Track, TrackKeys};
-use crate::shot::{HandleKey, Shot};
+use crate::shot::{ChannelKey, HandleKey, PinKey, Shot};
 use crate::spelling::pluralised;
 
-/// The copied keys of one pin or handle.
+/// The copied keys of one pin or handle, or of a channel with keys of its own.
 #[derive(Clone, Debug)]
 pub(super) struct Copied {
     track: Track,
-    /// The name of the pin, or the coordinates of the handle.
+    /// The display name of the track.
     name: String,
     keys: TrackKeys,
 }
 
 impl Copied {
-    /// Returns whether its keys fit a pin or handle.
+    /// Returns whether its keys fit a pin, channel or handle.
     const fn fits(&self, track: Track) -> bool {
-        matches!((self.track, track), (Track::Pin(_), Track::Pin(_)) | (Track::Handle(_), Track::Handle(_)))
+        matches!(
+            (self.track, track),
+            (Track::Pin(_), Track::Pin(_))
+                | (Track::Rotation(_), Track::Rotation(_))
+                | (Track::Scale(_), Track::Scale(_))
+                | (Track::Handle(_), Track::Handle(_))
+        )
+    }
+
+    /// Returns whether it is of the same pin or handle.
+    fn is_beside(&self, other: &Self) -> bool {
+        self.track == other.track || self.track.pin().is_some() && self.track.pin() == other.track.pin()
     }
 }
 
@@ -48,9 +59,10 @@ impl Session {
         let Some(first) = times.map(|(time, _)| time).min_by(f64::total_cmp) else {
             return self.say("Nothing was copied.");
         };
-        let chosen = self.selection.tracks();
-        let receivers = match (chosen.is_empty(), self.copied.len()) {
-            (true, 1) => Vec::new(),
+        let chosen = self.selection.tracks(self.document.shot());
+        let is_of_one = self.copied.windows(2).all(|pair| pair[0].is_beside(&pair[1]));
+        let receivers = match (chosen.is_empty(), is_of_one) {
+            (true, true) => Vec::new(),
             (true, _) => self.receivers(),
             (false, _) => chosen,
         };
@@ -58,12 +70,18 @@ impl Session {
             return self.say("No pin or handle is chosen: click one first.");
         }
         let shot = self.document.shot();
+        let is_lost = |copied: &&Copied| !receivers.iter().any(|track| copied.fits(*track));
+        let lost = self.copied.iter().filter(is_lost).find_map(|copied| copied.track.channel_name());
+        if let Some(channel) = lost {
+            return self
+                .say(format!("No chosen pin has keys of its {channel} alone: key its {channel} separately first."));
+        }
         let paste = |(track, copied): (Track, &Copied)| {
             let layer = shot.layers.get(track.layer())?;
             let by = key_time(&shot.frames, layer, self.playhead.frame()) - first;
-            Some((track, pasted(shot, track, (&copied.keys, by))?))
+            Some(pasted(shot, track, (&copied.keys, by)))
         };
-        let keys: Vec<_> = owners(shot, &receivers, &self.copied).into_iter().filter_map(paste).collect();
+        let keys: Vec<_> = owners(shot, &receivers, &self.copied).into_iter().filter_map(paste).flatten().collect();
         if keys.is_empty() {
             return self.say("No chosen pin or handle has the name of one whose keys were copied.");
         }
@@ -79,25 +97,54 @@ impl Session {
             Track::Handle((_, index)) if has(&index) => Some(Track::Handle((layer, index))),
             _ => None,
         });
-        (0..owner.pins.len()).map(|pin| Track::Pin([layer, pin])).chain(copied).collect()
+        let pins = (0..owner.pins.len()).flat_map(|pin| Track::of_pin(self.document.shot(), [layer, pin]));
+        pins.chain(copied).collect()
     }
 }
 
-/// Returns the keys of a pin or handle with those that are pasted; a handle without keys rests in the first frame.
-fn pasted(shot: &Shot, track: Track, (added, by): (&TrackKeys, f64)) -> Option<TrackKeys> {
+/// Returns the keys of a pin or handle with those that are pasted; a handle without keys rests in the first frame. Rotations and scales
+/// go to the keys that a pin has of them alone.
+fn pasted(shot: &Shot, track: Track, (added, by): (&TrackKeys, f64)) -> Vec<(Track, TrackKeys)> {
     let first = f64::from(shot.frames.first);
     let own = track.keys(shot).or_else(|| {
         let TrackKeys::Handle(keys) = added else { return None };
         let resting: Option<&HandleKey> = keys.first();
         resting.map(|key| TrackKeys::Handle(with_handle_key(None, first, HandleKey { frame: key.frame + by, ..*key })))
     });
-    own?.with(added, by)
+    let parts = match (track.pin(), added) {
+        (Some(at), TrackKeys::Pin(keys)) => parted(shot, at, keys),
+        _ => vec![(track, added.clone())],
+    };
+    let with = |(part, added): (Track, TrackKeys)| {
+        let own = if part == track { own.clone() } else { part.keys(shot) };
+        Some((part, own?.with(&added, by)?))
+    };
+    parts.into_iter().filter_map(with).collect()
 }
 
-/// Assigns keys to pins and handles: those of a single one go to all of its kind.
+/// Divides keys among a pin and its channels that have keys of their own.
+fn parted(shot: &Shot, at: [usize; 2], keys: &[PinKey]) -> Vec<(Track, TrackKeys)> {
+    let (mut rest, mut parts) = (keys.to_vec(), Vec::new());
+    let tracks = Track::of_pin(shot, at);
+    if tracks.contains(&Track::Rotation(at)) {
+        let own = |key: &PinKey| Some(ChannelKey { frame: key.frame, value: key.rotate_degrees?, ease: key.ease });
+        parts.push((Track::Rotation(at), TrackKeys::Rotation(rest.iter().filter_map(own).collect())));
+        rest.iter_mut().for_each(|key| key.rotate_degrees = None);
+    }
+    if tracks.contains(&Track::Scale(at)) {
+        let own = |key: &PinKey| Some(ChannelKey { frame: key.frame, value: key.scale?, ease: key.ease });
+        parts.push((Track::Scale(at), TrackKeys::Scale(rest.iter().filter_map(own).collect())));
+        rest.iter_mut().for_each(|key| key.scale = None);
+    }
+    parts.push((Track::Pin(at), TrackKeys::Pin(rest)));
+    parts
+}
+
+/// Assigns keys to pins, channels and handles: those of a single pin or handle go to all of its kind.
 fn owners<'a>(shot: &Shot, receivers: &[Track], copied: &'a [Copied]) -> Vec<(Track, &'a Copied)> {
-    if let [only] = copied {
-        return receivers.iter().filter(|track| only.fits(**track)).map(|&track| (track, only)).collect();
+    let of_kind = |&track: &Track| Some((track, copied.iter().find(|copied| copied.fits(track))?));
+    if copied.windows(2).all(|pair| pair[0].is_beside(&pair[1])) {
+        return receivers.iter().filter_map(of_kind).collect();
     }
     let by_name = |&track: &Track| {
         let name = track.name(shot);

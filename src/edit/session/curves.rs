@@ -40,16 +40,24 @@ impl Session {
         self.write_keys("Bend curve", &[(track, keys)], Some(&format!("bend {track:?} {tangent:?}")));
     }
 
-    /// Removes rotation or scale from all keys of a pin.
+    /// Removes rotation or scale from all keys of a pin, with its own keys.
     pub fn free_channel(&mut self, at: [usize; 2], channel: Channel) {
-        let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
-        let free = |key: &PinKey| match channel {
-            Channel::Scale => PinKey { scale: None, ..*key },
-            _ if channel.is_rotation() => PinKey { rotate_degrees: None, ..*key },
-            _ => *key,
+        let Some(pin) = Track::Pin(at).own_pin(self.document.shot()) else { return };
+        let keys = match channel {
+            Channel::Scale if !pin.scale_keys.is_empty() => (Track::Scale(at), TrackKeys::Scale(Vec::new())),
+            _ if channel.is_rotation() && !pin.rotate_keys.is_empty() => {
+                (Track::Rotation(at), TrackKeys::Rotation(Vec::new()))
+            }
+            _ => {
+                let free = |key: &PinKey| match channel {
+                    Channel::Scale => PinKey { scale: None, ..*key },
+                    _ if channel.is_rotation() => PinKey { rotate_degrees: None, ..*key },
+                    _ => *key,
+                };
+                (Track::Pin(at), TrackKeys::Pin(pin.keys.iter().map(free).collect()))
+            }
         };
-        let keys = pin.keys.iter().map(free).collect();
-        self.write_keys("Free pin", &[(at.into(), TrackKeys::Pin(keys))], None);
+        self.write_keys("Free pin", &[keys], None);
     }
 
     /// Moves a key to another time and value in a channel; keys cannot pass each other. One drag is one undo step.

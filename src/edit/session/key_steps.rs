@@ -73,10 +73,10 @@ impl Session {
     /// Returns the unit in which a channel of a pin or handle is shown.
     #[must_use]
     pub(crate) fn unit_of(&self, track: Track, channel: Channel) -> CurveUnit {
-        let pin = match track {
-            Track::Handle(_) => return CurveUnit::Percent,
-            Track::Pin([layer, pin]) => self.shot().layers.get(layer).and_then(|layer| layer.pins.get(pin)),
-        };
+        if track.pin().is_none() {
+            return CurveUnit::Percent;
+        }
+        let pin = track.own_pin(self.shot());
         let key = pin.and_then(|pin| Some((pin.unit, pin.keys.first()?.goal)));
         match (channel, key) {
             (Channel::Scale, _) => CurveUnit::Factor,

@@ -3,10 +3,11 @@
 //! In: user commands. Out: one document change each.
 
 use super::{Purpose, Session};
-use crate::edit::track::{handle_key_at, key_at, key_time, with_handle_key};
+use crate::edit::channel_keys::{rotate_key_at, scale_key_at};
+use crate::edit::track::{handle_key_at, key_at, key_time, pose_at, with_handle_key};
 use crate::edit::track_keys::{KeyEdit, Track, TrackKeys, axes_of, with_key};
-use crate::shot::edit::{PinName, Setting, put_handle, put_keys};
-use crate::shot::{Ease, PinKey};
+use crate::shot::edit::{PinName, Setting, put_handle, put_keys, put_rotate_keys, put_scale_keys};
+use crate::shot::{ChannelKey, Ease, PinKey, Shot};
 
 /// Named eases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +66,8 @@ impl EasePreset {
 impl Session {
     /// Sets keys on the selected pins and handles from their state at the current frame.
     pub fn insert_keys(&mut self) {
-        let keys: Vec<_> = self.selection.tracks().into_iter().filter_map(|track| self.keyed_here(track)).collect();
+        let tracks = self.selection.tracks(self.document.shot()).into_iter();
+        let keys: Vec<_> = tracks.filter_map(|track| self.keyed_here(track)).collect();
         if keys.is_empty() {
             return self.say("No pin is selected: click one first.");
         }
@@ -78,7 +80,15 @@ impl Session {
         let layer = shot.layers.get(track.layer())?;
         let time = key_time(&shot.frames, layer, self.playhead.frame());
         let keys = match track {
-            Track::Pin(at) => TrackKeys::Pin(with_key(&layer.pins.get(at[1])?.keys, key_at(shot, at, time)?)),
+            Track::Pin(at) => TrackKeys::Pin(with_key(&track.own_pin(shot)?.keys, key_at(shot, at, time)?)),
+            Track::Rotation(_) => {
+                let pin = track.own_pin(shot)?;
+                TrackKeys::Rotation(with_key(&pin.rotate_keys, rotate_key_at(pin, time)?))
+            }
+            Track::Scale(_) => {
+                let pin = track.own_pin(shot)?;
+                TrackKeys::Scale(with_key(&pin.scale_keys, scale_key_at(pin, time)?))
+            }
             Track::Handle(at) => {
                 let own = layer.handles.iter().find(|handle| handle.index == at.1);
                 TrackKeys::Handle(with_handle_key(own, f64::from(shot.frames.first), handle_key_at(shot, at, time)?))
@@ -87,27 +97,26 @@ impl Session {
         Some((track, keys))
     }
 
-    /// Sets a key of a pin from typed values.
+    /// Sets a key of a pin from typed values. Of a pin whose rotation or scale has keys of its own, only what differs is set.
     pub fn put_key(&mut self, at: [usize; 2], key: PinKey) {
-        let Some(pin) = self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1])) else { return };
-        let keys = with_key(&pin.keys, key);
-        self.write_keys("Type key", &[(at.into(), TrackKeys::Pin(keys))], Some(&format!("type {at:?}")));
+        let keys = typed(self.document.shot(), at, key);
+        if !keys.is_empty() {
+            self.write_keys("Type key", &keys, Some(&format!("type {at:?}")));
+        }
     }
 
-    /// Returns the interpolated key of a pin at the current frame.
+    /// Returns the interpolated values of a pin at the current frame, as a key.
     #[must_use]
     pub(crate) fn key_here(&self, at: [usize; 2]) -> Option<PinKey> {
         let shot = self.shot();
-        key_at(shot, at, key_time(&shot.frames, shot.layers.get(at[0])?, self.playhead.frame()))
+        pose_at(shot, at, key_time(&shot.frames, shot.layers.get(at[0])?, self.playhead.frame()))
     }
 
-    /// Returns whether a pin has a key at the current frame.
+    /// Returns whether a pin has a key at the current frame, in any channel.
     #[must_use]
     pub(crate) fn has_key_here(&self, at: [usize; 2]) -> bool {
-        let shot = self.shot();
-        let pin = shot.layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
-        let key = self.key_here(at);
-        pin.zip(key).is_some_and(|(pin, key)| pin.keys.iter().any(|other| other.frame == key.frame))
+        let pin = Track::Pin(at).own_pin(self.shot());
+        pin.zip(self.key_here(at)).is_some_and(|(pin, key)| pin.key_frames().any(|frame| frame == key.frame))
     }
 
     /// Selects a key; with `adds`, toggles it and keeps the other keys selected.
@@ -138,10 +147,9 @@ impl Session {
         !keys.is_empty() && self.write_keys(label, &keys, series)
     }
 
-    /// Writes the keys of pins and handles.
+    /// Writes the keys of pins, channels and handles.
     pub(super) fn write_keys(&mut self, label: &str, keys: &[(Track, TrackKeys)], series: Option<&str>) -> bool {
-        let follows =
-            |(track, _): &(Track, TrackKeys)| if let Track::Pin(at) = track { self.follows(*at) } else { None };
+        let follows = |(track, _): &(Track, TrackKeys)| self.follows(track.pin()?);
         if let Some(message) = keys.iter().find_map(follows) {
             self.say(message);
             self.let_go();
@@ -150,12 +158,17 @@ impl Session {
         let mut text = Ok(self.document.text().to_owned());
         for (track, keys) in keys {
             let Some(owner) = self.document.shot().layers.get(track.layer()) else { continue };
-            text = match (track, keys) {
-                (Track::Pin([_, pin]), TrackKeys::Pin(keys)) => {
-                    let Some(pin) = owner.pins.get(*pin) else { continue };
-                    text.and_then(|text| put_keys(&text, PinName { layer: &owner.name, pin: &pin.name }, keys))
+            let pin = track.own_pin(self.document.shot());
+            let at = pin.map(|pin| PinName { layer: &owner.name, pin: &pin.name });
+            text = match (track, keys, at) {
+                (Track::Pin(_), TrackKeys::Pin(keys), Some(at)) => text.and_then(|text| put_keys(&text, at, keys)),
+                (Track::Rotation(_), TrackKeys::Rotation(keys), Some(at)) => {
+                    text.and_then(|text| put_rotate_keys(&text, at, keys))
                 }
-                (Track::Handle((_, index)), TrackKeys::Handle(keys)) => {
+                (Track::Scale(_), TrackKeys::Scale(keys), Some(at)) => {
+                    text.and_then(|text| put_scale_keys(&text, at, keys))
+                }
+                (Track::Handle((_, index)), TrackKeys::Handle(keys), _) => {
                     text.and_then(|text| put_handle(&text, &owner.name, axes_of(owner.space, index), keys))
                 }
                 _ => continue,
@@ -189,7 +202,7 @@ impl Session {
         if self.selection.keys.is_empty() {
             let shot = self.document.shot();
             let times = |track: Track| track.times(shot).into_iter().map(move |(time, _)| (track, time));
-            self.selection.keys = self.selection.tracks().into_iter().flat_map(times).collect();
+            self.selection.keys = self.selection.tracks(shot).into_iter().flat_map(times).collect();
         }
         let label = format!("{} keys", preset.name());
         self.change_keys(&label, None, |keys, times| keys.edited(KeyEdit::Ease(preset.ease()), times));
@@ -198,16 +211,16 @@ impl Session {
     /// Returns the selected pins and handles, or all of the selected layer if none is selected.
     #[must_use]
     pub(crate) fn tracks_of_interest(&self) -> Vec<Track> {
-        let chosen = self.selection.tracks();
+        let chosen = self.selection.tracks(self.shot());
         if chosen.is_empty() { self.tracks() } else { chosen }
     }
 
-    /// Returns the pins of the selected layer, then its handles that have keys.
+    /// Returns the pins of the selected layer, each with its channels that have keys of their own, then its handles that have keys.
     #[must_use]
     pub(crate) fn tracks(&self) -> Vec<Track> {
         let layer = self.selection.layer;
         let Some(owner) = self.shot().layers.get(layer) else { return Vec::new() };
-        let pins = (0..owner.pins.len()).map(|pin| Track::Pin([layer, pin]));
+        let pins = (0..owner.pins.len()).flat_map(|pin| Track::of_pin(self.shot(), [layer, pin]));
         pins.chain(owner.handles.iter().map(|own| Track::Handle((layer, own.index)))).collect()
     }
 
@@ -238,4 +251,27 @@ impl Session {
             self.frame_changed(Purpose::Look);
         }
     }
+}
+
+/// Returns the keys that typed values change.
+fn typed(shot: &Shot, at: [usize; 2], key: PinKey) -> Vec<(Track, TrackKeys)> {
+    let (Some(pin), mut rest, mut found) = (Track::Pin(at).own_pin(shot), key, Vec::new()) else { return Vec::new() };
+    if let Some(own) = rotate_key_at(pin, key.frame) {
+        let value = rest.rotate_degrees.take().unwrap_or(own.value);
+        if value != own.value {
+            let keys = with_key(&pin.rotate_keys, ChannelKey { value, ..own });
+            found.push((Track::Rotation(at), TrackKeys::Rotation(keys)));
+        }
+    }
+    if let Some(own) = scale_key_at(pin, key.frame) {
+        let value = rest.scale.take().unwrap_or(own.value);
+        if value != own.value {
+            let keys = with_key(&pin.scale_keys, ChannelKey { value, ..own });
+            found.push((Track::Scale(at), TrackKeys::Scale(keys)));
+        }
+    }
+    if found.is_empty() || key_at(shot, at, key.frame) != Some(rest) {
+        found.push((Track::Pin(at), TrackKeys::Pin(with_key(&pin.keys, rest))));
+    }
+    found
 }

@@ -3,6 +3,7 @@
 //! In: user input and replies of the worker thread. Out: state that widgets draw. Independent of the widget toolkit.
 
 mod arrange;
+mod channels;
 mod clipboard;
 mod curves;
 mod export_run;

@@ -15,6 +15,7 @@ use crate::shot::{PinRegion, Shot};
 use crate::space::ScreenPoint;
 use crate::spelling::other_side;
 use glam::DVec2;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Minimum and maximum radius of a region, in frame heights.
@@ -290,7 +291,7 @@ impl Session {
         for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
             let keys = moved(base, at, (time, self.auto_key), change, self.scale_of(at))?;
-            shot.layers[at[0]].pins[at[1]].keys = keys;
+            keys.put_into(&mut shot.layers[at[0]].pins[at[1]]);
         }
         shot.copy_mirrored_keys();
         if let Move::By(by) = change {
@@ -344,15 +345,16 @@ impl Session {
     /// Commits a drag to the document.
     fn commit_series(&mut self, what: &str, base: &Shot, series: Option<&str>) {
         let Some(shot) = self.dragged.clone() else { return };
-        let pins = self.selection.pins.iter().copied().chain(self.counterparts(base)).map(Track::Pin);
+        let pins = self.selection.pins.iter().copied().chain(self.counterparts(base));
+        let pins = pins.flat_map(|at| Track::of_pin(&shot, at));
         let handles = self.selection.handles.iter().copied().map(Track::Handle);
         let changed = |track: Track| {
             let keys = track.keys(&shot)?;
             (track.keys(base).as_ref() != Some(&keys)).then_some((track, keys))
         };
         let keys: Vec<(Track, TrackKeys)> = pins.chain(handles).filter_map(changed).collect();
-        let count = keys.iter().filter(|(track, _)| matches!(track, Track::Pin(_))).count();
-        let things = match (count, self.selection.handles.len()) {
+        let pins: BTreeSet<[usize; 2]> = keys.iter().filter_map(|(track, _)| track.pin()).collect();
+        let things = match (pins.len(), self.selection.handles.len()) {
             (1, 0) => "pin",
             (_, 0) => "pins",
             (0, _) => "handles",

@@ -15,7 +15,7 @@ pub struct Selection {
     pub pins: BTreeSet<[usize; 2]>,
     /// Index of the layer, and lattice coordinates of the handle.
     pub handles: BTreeSet<(usize, [usize; 3])>,
-    /// Pins and handles, and the times of their keys, in the order in which they were chosen.
+    /// Pins, channels and handles, and the times of their keys, in the order in which they were chosen.
     pub keys: Vec<(Track, f64)>,
 }
 
@@ -60,15 +60,15 @@ impl Selection {
     pub(crate) fn add(&mut self, track: Track) {
         self.layer = track.layer();
         match track {
-            Track::Pin(at) => _ = self.pins.insert(at),
+            Track::Pin(at) | Track::Rotation(at) | Track::Scale(at) => _ = self.pins.insert(at),
             Track::Handle(at) => _ = self.handles.insert(at),
         }
     }
 
-    /// Returns the selected pins and handles.
+    /// Returns the selected pins, with their channels that have keys of their own, and handles.
     #[must_use]
-    pub(crate) fn tracks(&self) -> Vec<Track> {
-        let pins = self.pins.iter().copied().map(Track::Pin);
+    pub(crate) fn tracks(&self, shot: &Shot) -> Vec<Track> {
+        let pins = self.pins.iter().flat_map(|&at| Track::of_pin(shot, at));
         pins.chain(self.handles.iter().copied().map(Track::Handle)).collect()
     }
 
@@ -76,7 +76,7 @@ impl Selection {
     #[must_use]
     pub(crate) fn has(&self, track: Track) -> bool {
         match track {
-            Track::Pin(at) => self.pins.contains(&at),
+            Track::Pin(at) | Track::Rotation(at) | Track::Scale(at) => self.pins.contains(&at),
             Track::Handle(at) => self.handles.contains(&at),
         }
     }

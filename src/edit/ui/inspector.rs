@@ -4,11 +4,12 @@ use super::icons;
 use super::name_field::NameField;
 use super::number_field::NumberField;
 use super::theme::heat;
-use crate::edit::{Channel, Session};
+use super::turn_fields;
+use crate::edit::Session;
 use crate::pipeline::{FrameReport, LayerReport};
-use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion, Rotation};
+use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion};
 use crate::space::{ScreenPoint, ScreenVector};
-use eframe::egui::{self, Color32, DragValue, Grid, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Color32, Grid, RichText, ScrollArea, Ui};
 
 /// The field of a pin's name.
 const NAME: NameField = NameField { name: "Pin name", hint: "Pin name", width: f32::INFINITY };
@@ -66,7 +67,7 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
     });
     Grid::new("pin").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         place(ui, session, (at, key));
-        turn(ui, session, (at, key));
+        turn_fields::show(ui, session, (at, key));
         region(ui, session, (at, own.region));
         weight(ui, session, at, own.weight);
     });
@@ -150,94 +151,6 @@ fn three(ui: &mut Ui, what: &str, (mut values, speed): ([f64; 3], f64)) -> Optio
         .inner;
     ui.end_row();
     is_changed.then_some(values)
-}
-
-fn turn(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
-    let is_in_scene = matches!(key.goal, Goal::SceneOffset(_) | Goal::SceneTarget(_));
-    match key.rotate_degrees {
-        Some(Rotation::Axes(angles)) => turn_in_scene(ui, session, (at, key), Some(angles)),
-        None if is_in_scene => turn_in_scene(ui, session, (at, key), None),
-        Some(Rotation::InView(angle)) => turn_in_view(ui, session, (at, key), Some(angle)),
-        None => turn_in_view(ui, session, (at, key), None),
-    }
-    ui.label("Scale");
-    let mut scale = key.scale.unwrap_or(1.0);
-    let field = NumberField { name: "Scale", hint: "Scale", range: 0.001..=1000.0, decimals: 3 };
-    let style = free_number(key.scale.is_none(), "");
-    if held_or_free(ui, session, (at, Channel::Scale, key.scale.is_none()), |ui| {
-        field.drag(ui, &mut scale, |number| style(number.speed(0.005)))
-    }) {
-        session.put_key(at, PinKey { scale: Some(scale), ..key });
-    }
-    ui.end_row();
-}
-
-/// Edits the angle in the view; `None`: free.
-fn turn_in_view(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angle: Option<f64>) {
-    ui.label("Rotation");
-    let mut new = angle.unwrap_or(0.0);
-    if held_or_free(ui, session, (at, Channel::Rotation, angle.is_none()), |ui| {
-        angle_field(ui, &mut new, ("Rotation", ""), angle.is_none())
-    }) {
-        session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
-    }
-    ui.end_row();
-}
-
-/// Edits the angles about three axes; `None`: free.
-fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angles: Option<[f64; 3]>) {
-    let axes = [Channel::RotationX, Channel::RotationY, Channel::RotationZ];
-    let mut new = angles.unwrap_or_default();
-    let mut is_changed = false;
-    for ((value, channel), axis) in new.iter_mut().zip(axes).zip(["x", "y", "z"]) {
-        ui.label(if axis == "x" { "Rotation" } else { "" }).on_hover_text("degrees about x, then y, then z");
-        // One button frees all three.
-        let is_free = angles.is_none() || axis != "x";
-        is_changed |= held_or_free(ui, session, (at, channel, is_free), |ui| {
-            angle_field(ui, value, (&format!("Rotation {axis}"), &format!("{axis} ")), angles.is_none())
-        });
-        ui.end_row();
-    }
-    if is_changed {
-        session.put_key(at, PinKey { rotate_degrees: Some(Rotation::Axes(new)), ..key });
-    }
-}
-
-/// Shows an angle in degrees. Returns whether it is changed.
-fn angle_field(ui: &mut Ui, angle: &mut f64, (name, prefix): (&str, &str), is_free: bool) -> bool {
-    let field = NumberField { name, hint: name, range: f64::MIN..=f64::MAX, decimals: 3 };
-    let style = free_number(is_free, "\u{b0}");
-    field.drag(ui, angle, |number| style(number.speed(0.5)).prefix(prefix))
-}
-
-/// Returns a style of number fields that shows "free" if the pin has no value in that channel.
-fn free_number(is_free: bool, unit: &'static str) -> impl Fn(DragValue) -> DragValue {
-    let write = move |value: f64, _: std::ops::RangeInclusive<usize>| match is_free {
-        true => "free".to_owned(),
-        false => format!("{}{unit}", (value * 1e3).round() / 1e3),
-    };
-    let read = move |text: &str| text.trim_end_matches(unit).trim().parse().ok();
-    move |number| number.custom_formatter(write).custom_parser(read)
-}
-
-/// Shows a number field and, unless the channel is free, a button that clears it. Returns whether the value changed.
-fn held_or_free(
-    ui: &mut Ui,
-    session: &mut Session,
-    (at, channel, is_free): ([usize; 2], Channel, bool),
-    number: impl FnOnce(&mut Ui) -> bool,
-) -> bool {
-    let row = ui.horizontal(|ui| {
-        let is_changed = number(ui);
-        let hint = "Unconstrained: the pin leaves rotation and scale free";
-        let is_freed = !is_free && ui.small_button("free").on_hover_text(hint).clicked();
-        (is_changed, is_freed)
-    });
-    let (is_changed, is_freed) = row.inner;
-    if is_freed {
-        session.free_channel(at, channel);
-    }
-    is_changed
 }
 
 fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<PinRegion>)) {

@@ -98,8 +98,9 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
                 let adds = ui.input(|input| input.modifiers.shift || input.modifiers.command);
                 *click = Some(Click::Pin([index, pin], adds));
             }
-            if own.keys.len() > 1 {
-                ui.weak(crate::spelling::pluralised(own.keys.len(), "key", "keys"));
+            let count = own.key_frames().count();
+            if count > 1 {
+                ui.weak(crate::spelling::pluralised(count, "key", "keys"));
             }
         });
     }

@@ -42,6 +42,7 @@ mod timeline;
 mod tour_window;
 mod track_row;
 mod transport;
+mod turn_fields;
 mod viewport;
 mod window;
 

@@ -32,7 +32,7 @@ fn onion_frame(session: &Session, here: i32, steps: i32) -> Option<i32> {
         return Some(here + steps * session.shown.onion.every as i32);
     }
     let shot = session.shot();
-    let tracks = session.selection.tracks().into_iter();
+    let tracks = session.selection.tracks(shot).into_iter();
     let mut times: Vec<i32> = tracks.flat_map(|track| track.times(shot)).map(|(time, _)| time.round() as i32).collect();
     times.sort_unstable();
     times.dedup();

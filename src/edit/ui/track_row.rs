@@ -1,4 +1,4 @@
-//! A row of the timeline: the keys of one pin or handle.
+//! A row of the timeline: the keys of one pin or handle, or of a channel of a pin that has keys of its own.
 //!
 //! In: a [`Session`], the time scale. Out: shapes; selected keys.
 
@@ -55,7 +55,7 @@ pub(super) enum Pen {
     Up,
 }
 
-/// Returns the rows of the selected layer: its pins, then its handles.
+/// Returns the rows of the selected layer: its pins, each with the channels that have keys of their own, then its handles.
 pub(super) fn rows(session: &Session) -> Vec<Row> {
     let shot = session.shot();
     let row = |track: Track| Row { track, name: track.name(shot), keys: track.times(shot) };
@@ -92,7 +92,10 @@ pub(super) fn show(
     let names = Rect::from_min_max(rect.min, pos2(rect.left() + NAMES - 8.0, rect.bottom()));
     let font = FontId::proportional(12.5);
     let at = pos2(rect.left() + 8.0, rect.center().y);
-    painter.with_clip_rect(names).text(at, Align2::LEFT_CENTER, &row.name, font, text);
+    // A channel stands below its pin, whose name it need not repeat.
+    let (at, name) =
+        row.track.channel_name().map_or((at, row.name.as_str()), |channel| (at + vec2(14.0, 0.0), channel));
+    painter.with_clip_rect(names).text(at, Align2::LEFT_CENTER, name, font, text);
     let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
     painter.hline(rect.x_range(), rect.bottom(), line);
     let place = |(frame, _): &(f64, Ease)| {

@@ -31,7 +31,8 @@ impl Check<'_> {
                 let source = layers[mirror.layer].pins[mirror.pin].clone();
                 let own = &mut layers[index].pins[number];
                 own.mirror = Some(mirror);
-                (own.unit, own.keys, own.region) = (source.unit, source.keys, own.region.or(source.region));
+                own.copy_keys(&source);
+                own.region = own.region.or(source.region);
                 if mirror.is_anchor_mirrored {
                     own.anchor = source.anchor;
                 }
@@ -50,7 +51,7 @@ impl Check<'_> {
         (layers, followed): (&[Layer], &Followed),
         place: [usize; 2],
     ) -> Option<Mirror> {
-        for other in ["keys", "unit"].map(|other| format!("{key}.{other}")) {
+        for other in ["keys", "rotate_keys", "scale_keys", "unit"].map(|other| format!("{key}.{other}")) {
             if self.document.has(&other) {
                 self.fault(&other, "a mirrored pin takes this from the pin that it follows", "remove it, or `mirror`");
             }

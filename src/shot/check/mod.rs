@@ -3,6 +3,7 @@
 //! In: a [`Document`]. Out: a [`Shot`], or all faults of the file.
 
 mod camera;
+mod channel_keys;
 mod connectivity;
 mod image;
 mod layer;

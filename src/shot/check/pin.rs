@@ -20,18 +20,21 @@ impl Check<'_> {
         let pins: Vec<Pin> = raw
             .into_iter()
             .enumerate()
-            .map(|(index, raw)| Pin {
-                anchor: self.anchor_of(&raw, &format!("{}.anchor", key(index)), shot),
-                mirror: None,
-                unit: raw.unit,
-                region: raw
-                    .region
-                    .map(|region| self.region(&region, &format!("{}.region", key(index)), (raw.unit, shot))),
-                weight: raw.weight.unwrap_or(1.0),
-                is_muted: raw.mute,
-                order: self.order(raw.order.as_ref(), &format!("{}.order", key(index)), shot),
-                keys: self.pin_keys(&raw, &format!("{}.keys", key(index)), shot),
-                name: raw.name.unwrap_or_else(|| format!("pin{}", index + 1)),
+            .map(|(index, raw)| {
+                let (key, kind) = (key(index), PinKind::of(&raw, shot));
+                Pin {
+                    anchor: self.anchor_of(&raw, &format!("{key}.anchor"), shot),
+                    mirror: None,
+                    unit: raw.unit,
+                    region: raw.region.map(|region| self.region(&region, &format!("{key}.region"), (raw.unit, shot))),
+                    weight: raw.weight.unwrap_or(1.0),
+                    is_muted: raw.mute,
+                    order: self.order(raw.order.as_ref(), &format!("{key}.order"), shot),
+                    keys: self.pin_keys(&raw, &format!("{key}.keys"), &kind),
+                    rotate_keys: self.rotate_keys(&raw, &key, &kind),
+                    scale_keys: self.scale_keys(&raw, &key),
+                    name: raw.name.unwrap_or_else(|| format!("pin{}", index + 1)),
+                }
             })
             .collect();
         let names = pins.iter().enumerate().map(|(index, pin)| (format!("{}.name", key(index)), pin.name.as_str()));
@@ -135,9 +138,8 @@ impl Check<'_> {
         }
     }
 
-    fn pin_keys(&mut self, raw: &RawPin, key: &str, shot: &LayerDefaults) -> Vec<PinKey> {
+    fn pin_keys(&mut self, raw: &RawPin, key: &str, kind: &PinKind) -> Vec<PinKey> {
         self.increasing(raw.keys.iter().map(|key| key.frame), key);
-        let kind = PinKind::of(raw, shot);
         let keys: Vec<PinKey> = raw
             .keys
             .iter()
@@ -147,14 +149,14 @@ impl Check<'_> {
                 self.ease(raw_key.ease, &key);
                 PinKey {
                     frame: raw_key.frame,
-                    goal: self.goal(raw_key, &key, &kind),
-                    rotate_degrees: self.rotation(raw_key.rotate, &key, &kind),
+                    goal: self.goal(raw_key, &key, kind),
+                    rotate_degrees: raw_key.rotate.map(|rotate| self.rotation(rotate, &format!("{key}.rotate"), kind)),
                     scale: raw_key.scale,
                     ease: raw_key.ease,
                 }
             })
             .collect();
-        if keys.is_empty() { vec![resting_key(shot)] } else { keys }
+        if keys.is_empty() { vec![resting_key(kind.shot)] } else { keys }
     }
 
     pub(super) fn handles(
@@ -192,7 +194,7 @@ impl Check<'_> {
         keys
     }
 
-    fn increasing(&mut self, frames: impl Iterator<Item = f64>, key: &str) {
+    pub(super) fn increasing(&mut self, frames: impl Iterator<Item = f64>, key: &str) {
         let frames: Vec<f64> = frames.collect();
         for (index, pair) in frames.windows(2).enumerate().filter(|(_, pair)| pair[1] <= pair[0]) {
             let what = format!("frame {} does not come after frame {} of the key before", pair[1], pair[0]);
@@ -201,7 +203,7 @@ impl Check<'_> {
         }
     }
 
-    fn ease(&mut self, ease: Ease, key: &str) {
+    pub(super) fn ease(&mut self, ease: Ease, key: &str) {
         let Ease::Bezier([x1, _, x2, _]) = ease else { return };
         if [x1, x2].iter().any(|x| !(0.0..=1.0).contains(x)) {
             let what = format!("the curve [x1, y1, x2, y2] runs back in time: x1 = {x1}, x2 = {x2}");

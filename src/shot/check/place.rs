@@ -27,13 +27,14 @@ impl<'a> PinKind<'a> {
     /// Determines the properties from the first key that sets each.
     pub(super) fn of(raw: &RawPin, shot: &'a LayerDefaults) -> Self {
         let written = raw.keys.iter().find_map(|key| key.target.as_ref().or(key.offset.as_ref()));
+        let in_keys = raw.keys.iter().find_map(|key| key.rotate);
         let silent = if shot.space == RawSpace::World { 3 } else { 2 };
         Self {
             unit: raw.unit,
             shot,
             has_targets: raw.keys.first().is_some_and(|key| key.target.is_some()),
             axes: written.map_or(silent, Vec::len),
-            angles: raw.keys.iter().find_map(|key| key.rotate).map(angles),
+            angles: in_keys.or(raw.rotate_keys.first().map(|key| key.value)).map(angles),
         }
     }
 }
@@ -95,21 +96,19 @@ impl Check<'_> {
         }
     }
 
-    /// Returns the rotation of a key in degrees.
-    pub(super) fn rotation(&mut self, raw: Option<RawRotation>, key: &str, kind: &PinKind) -> Option<Rotation> {
-        let raw = raw?;
-        let key = format!("{key}.rotate");
+    /// Returns a rotation in degrees.
+    pub(super) fn rotation(&mut self, raw: RawRotation, key: &str, kind: &PinKind) -> Rotation {
         if kind.shot.space == RawSpace::Screen && angles(raw) == 3 {
             let hint = format!("give one angle, {TO_WORLD}");
-            self.fault(&key, "has three angles, but the layer's lattice lies on the screen", hint);
+            self.fault(key, "has three angles, but the layer's lattice lies on the screen", hint);
         } else if kind.angles.is_some_and(|count| count != angles(raw)) {
             let hint = "give all keys one angle (as seen) or all three (about x, y and z)";
-            self.fault(&key, "other keys of the pin have another number of angles", hint);
+            self.fault(key, "other keys of the pin have another number of angles", hint);
         }
-        Some(match raw {
+        match raw {
             RawRotation::InView(angle) => Rotation::InView(angle),
             RawRotation::Axes(angles) => Rotation::Axes(angles),
-        })
+        }
     }
 
     /// Returns the index of a handle; the third component is 0 in screen space.

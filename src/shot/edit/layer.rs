@@ -161,15 +161,24 @@ fn edit_keyed(table: &mut dyn TableLike, pin: &KeyedPin) {
         replace(table, "unit", "frame".into());
     }
     replace(table, "keys", keys_array(&pin.keys).into());
+    // The new keys hold all channels.
+    for channel in ["rotate_keys", "scale_keys"] {
+        table.remove(channel);
+    }
 }
 
 /// Formats the keys, one per line.
 fn keys_array(keys: &[PinKey]) -> Array {
-    let mut array = Array::new();
-    for (index, key) in keys.iter().enumerate() {
-        let prefix = if index == 0 { " " } else { "\n             " };
-        let suffix = if index + 1 == keys.len() { " " } else { "" };
-        array.push_formatted(Value::InlineTable(key_table(key)).decorated(prefix, suffix));
+    tables_array(keys.iter().map(key_table).collect(), "  keys   = [ ".len())
+}
+
+/// Formats tables, one per line, indented by a number of letters.
+pub(super) fn tables_array(tables: Vec<InlineTable>, indent: usize) -> Array {
+    let (mut array, count) = (Array::new(), tables.len());
+    for (index, table) in tables.into_iter().enumerate() {
+        let prefix = if index == 0 { " ".to_owned() } else { format!("\n{}", " ".repeat(indent)) };
+        let suffix = if index + 1 == count { " " } else { "" };
+        array.push_formatted(Value::InlineTable(table).decorated(prefix, suffix));
     }
     array
 }

@@ -3,6 +3,8 @@
 //! In: a text and an [`Anchor`]. Out: the new text. The text must be TOML, but need not be a valid shot.
 
 mod block;
+#[cfg(feature = "editor")]
+mod channel_keys;
 mod filter;
 mod layer;
 #[cfg(feature = "editor")]
@@ -14,6 +16,8 @@ mod stroke;
 mod text;
 
 pub use block::pin_block;
+#[cfg(feature = "editor")]
+pub(crate) use channel_keys::{put_rotate_keys, put_scale_keys};
 pub use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 #[cfg(feature = "editor")]

@@ -36,7 +36,7 @@ pub struct PinName<'a> {
 pub fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, ShotError> {
     edit_pin(text, at, |pin| {
         let new: Vec<(f64, InlineTable)> = keys.iter().map(|key| (key.frame, key_table(key))).collect();
-        put_key_tables(pin, &new);
+        put_key_tables(pin, "keys", &new);
     })
 }
 
@@ -94,7 +94,7 @@ pub fn put_handle(text: &str, layer: &str, index: &[usize], keys: &[HandleKey]) 
                 };
                 let new: Vec<_> = keys.iter().map(|key| (key.frame, handle_key(key, index.len()))).collect();
                 let table = tables(handles).and_then(|tables| tables.into_iter().nth(place));
-                put_key_tables(table.ok_or_else(|| missing("handle"))?, &new);
+                put_key_tables(table.ok_or_else(|| missing("handle"))?, "keys", &new);
             }
         }
         if tables(handles).is_some_and(|tables| tables.is_empty()) {
@@ -179,21 +179,20 @@ fn handle_key(key: &HandleKey, axes: usize) -> InlineTable {
     table
 }
 
-fn frame(frame: f64) -> Value {
+pub(super) fn frame(frame: f64) -> Value {
     if frame.fract() == 0.0 { (frame as i64).into() } else { frame.into() }
 }
 
-/// Updates `keys` to these, frame by frame; entries that are kept preserve their formatting.
-fn put_key_tables(table: &mut dyn TableLike, keys: &[(f64, InlineTable)]) {
-    let is_list =
-        table.get("keys").and_then(Item::as_array).is_some_and(|list| list.iter().all(Value::is_inline_table));
+/// Updates a list of keys to these, frame by frame; entries that are kept preserve their formatting.
+pub(super) fn put_key_tables(table: &mut dyn TableLike, name: &str, keys: &[(f64, InlineTable)]) {
+    let is_list = table.get(name).and_then(Item::as_array).is_some_and(|list| list.iter().all(Value::is_inline_table));
     if !is_list {
         let mut list = Array::new();
         keys.iter().enumerate().for_each(|(place, (_, key))| insert(&mut list, place, key.clone()));
-        replace(table, "keys", list.into());
+        replace(table, name, list.into());
         return;
     }
-    let Some(list) = table.get_mut("keys").and_then(Item::as_array_mut) else { return };
+    let Some(list) = table.get_mut(name).and_then(Item::as_array_mut) else { return };
     let frame_of = |value: &Value| {
         let frame = value.as_inline_table().and_then(|key| key.get("frame"));
         frame.and_then(|frame| frame.as_float().or_else(|| frame.as_integer().map(|whole| whole as f64)))

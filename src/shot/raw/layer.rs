@@ -331,6 +331,14 @@ pub(in crate::shot) struct RawPin {
     #[serde(default)]
     #[schemars(example = serde_json::json!([{ "frame": 1, "offset": [0.0, 0.0] }]))]
     pub(in crate::shot) keys: Vec<RawPinKey>,
+    /// Keyframes of the rotation alone, in order of frames, in place of `rotate` in `keys`; default: none.
+    #[serde(default)]
+    #[schemars(example = serde_json::json!([{ "frame": 1, "value": 0 }, { "frame": 9, "value": 20 }]))]
+    pub(in crate::shot) rotate_keys: Vec<RawRotateKey>,
+    /// Keyframes of the scale alone, in order of frames, in place of `scale` in `keys`; default: none.
+    #[serde(default)]
+    #[schemars(example = serde_json::json!([{ "frame": 1, "value": 1.0 }, { "frame": 9, "value": 1.2 }]))]
+    pub(in crate::shot) scale_keys: Vec<RawScaleKey>,
 }
 
 /// The pin that a mirrored pin follows.
@@ -456,6 +464,38 @@ pub(in crate::shot) struct RawPinKey {
     /// Scale that the pin holds; default: free, or 1 if only other keys of the pin set it.
     #[schemars(range(min = 0.001, max = 1000.0), example = 1.2)]
     pub(in crate::shot) scale: Option<f64>,
+    /// Shape of the segment from this key to the next; default: linear.
+    #[serde(default)]
+    #[schemars(example = &"smooth")]
+    pub(in crate::shot) ease: Ease,
+}
+
+/// A keyframe of a pin's rotation.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawRotateKey {
+    /// Frame number of the key; it may lie between frames.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) frame: f64,
+    /// Rotation that the pin holds, degrees counter-clockwise; in world layers also three angles, about x, then y, then z.
+    #[schemars(example = 20)]
+    pub(in crate::shot) value: RawRotation,
+    /// Shape of the segment from this key to the next; default: linear.
+    #[serde(default)]
+    #[schemars(example = &"smooth")]
+    pub(in crate::shot) ease: Ease,
+}
+
+/// A keyframe of a pin's scale.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawScaleKey {
+    /// Frame number of the key; it may lie between frames.
+    #[schemars(range(min = -1_000_000, max = 1_000_000), example = 1)]
+    pub(in crate::shot) frame: f64,
+    /// Scale that the pin holds.
+    #[schemars(range(min = 0.001, max = 1000.0), example = 1.2)]
+    pub(in crate::shot) value: f64,
     /// Shape of the segment from this key to the next; default: linear.
     #[serde(default)]
     #[schemars(example = &"smooth")]
