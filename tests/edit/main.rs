@@ -9,6 +9,7 @@ mod endurance;
 
 mod brush;
 mod foreign;
+mod handles;
 mod kept_view;
 mod keyboard;
 mod keys;

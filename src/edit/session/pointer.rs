@@ -375,37 +375,16 @@ impl Session {
         nearest.map(|(_, pin, rest)| (pin, rest))
     }
 
-    /// Returns the nearest visible handle.
-    #[must_use]
-    pub(crate) fn handle_near(&self, at: ScreenPoint, reach: f64) -> Option<(usize, [usize; 3])> {
-        if !self.shown.handles || self.shown.is_hidden {
-            return None;
-        }
-        let mut found: Option<(f64, (usize, [usize; 3]))> = None;
-        for marks in self.marks() {
-            let Some(layer) = self.document.shot().layers.get(marks.layer) else { continue };
-            let [columns, rows, _] = layer.space.dims();
-            for (number, handle) in marks.handles.iter().enumerate() {
-                let far = handle.map_or(f64::INFINITY, |handle| (handle - at).0.length());
-                if far <= reach && found.is_none_or(|(nearest, _)| far < nearest) {
-                    let index = [number % columns, number / columns % rows, number / columns / rows];
-                    found = Some((far, (marks.layer, index)));
-                }
-            }
-        }
-        found.map(|(_, handle)| handle)
-    }
-
+    /// Selects the visible pins and handles in a box.
     fn choose_box(&mut self, [a, b]: [ScreenPoint; 2]) {
-        if !self.shown.shows_pins() {
-            return;
-        }
         let holds = |point: ScreenPoint| ((point - a).0 * (point - b).0).max_element() <= 0.0;
-        let marks = self.marks();
+        let marks = if self.shown.shows_pins() { self.marks() } else { &[] };
         let pins =
             marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| ([marks.layer, pin.pin], pin.target)));
-        let chosen: Vec<[usize; 2]> = pins.filter(|(_, target)| holds(*target)).map(|(pin, _)| pin).collect();
-        self.selection.pins.extend(chosen);
+        let pins: Vec<[usize; 2]> = pins.filter(|(_, target)| holds(*target)).map(|(pin, _)| pin).collect();
+        let handles = self.handles_where(holds);
+        self.selection.pins.extend(pins);
+        self.selection.handles.extend(handles);
     }
 
     /// Returns the marks of the current frame.

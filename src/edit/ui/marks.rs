@@ -139,12 +139,9 @@ impl Over<'_> {
     }
 
     fn handles(&self, marks: &LayerMarks) {
-        let layer = self.session.document().shot().layers.get(marks.layer);
-        let [columns, rows, _] = layer.map_or([1; 3], |layer| layer.space.dims());
-        for (number, handle) in marks.handles.iter().enumerate() {
-            let Some(place) = handle.map(|handle| self.at(handle)) else { continue };
-            let index = [number % columns, number / columns % rows, number / columns / rows];
-            let is_chosen = self.session.selection.handles.contains(&(marks.layer, index));
+        for (handle, place) in self.session.handles_in_view(marks) {
+            let place = self.at(place);
+            let is_chosen = self.session.selection.handles.contains(&handle);
             let color = if is_chosen { over::CHOSEN } else { over::HANDLE };
             let half = if is_chosen { 4.0 } else { 3.0 };
             self.painter.rect_filled(

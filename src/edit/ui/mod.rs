@@ -13,6 +13,7 @@ mod dialogs;
 mod drops;
 mod editor;
 mod frame_scale;
+mod handle_panel;
 mod icons;
 mod inspector;
 mod kept_view;
