@@ -22,6 +22,9 @@ const WIDE: f32 = 36.0;
 /// Opacity of the filled distortion.
 const HEAT: f32 = 0.55;
 
+/// Width in points of lines that show their distortion.
+const HEATED_LINE: f32 = 2.0;
+
 /// Draws the overlays of a picture.
 pub(super) struct Over<'a> {
     pub(super) session: &'a Session,
@@ -54,10 +57,14 @@ impl Over<'_> {
             .chain(marks.iter().filter(|marks| marks.layer == chosen));
         let ordered: Vec<&LayerMarks> = ordered.collect();
         for marks in &ordered {
-            if shown.distortion && marks.layer == chosen {
-                self.distortion(marks);
+            // Lines in the scene have the colours of their distortion themselves.
+            let (is_heated, is_in_scene) = (shown.distortion && marks.layer == chosen, marks.rest_box.is_none());
+            match is_in_scene {
+                _ if !is_heated => {}
+                true => self.distorted_lines(marks),
+                false => self.distortion(marks),
             }
-            if shown.lattice {
+            if shown.lattice && !(is_heated && is_in_scene) {
                 self.lattice(marks, marks.layer == chosen);
             }
             if shown.folds {
@@ -111,6 +118,28 @@ impl Over<'_> {
             for below in first - count..first - 1 {
                 mesh.add_triangle(below, below + 1, below + count);
                 mesh.add_triangle(below + 1, below + count + 1, below + count);
+            }
+        }
+        if !mesh.is_empty() {
+            self.painter.add(Shape::mesh(mesh));
+        }
+    }
+
+    /// Draws the lines of a lattice in the scene in the colours of the distortion at their points.
+    fn distorted_lines(&self, marks: &LayerMarks) {
+        let mut mesh = Mesh::default();
+        for (line, stretches) in marks.lines.iter().zip(&marks.distortion) {
+            let points: Vec<(Pos2, Color32)> =
+                line.iter().zip(stretches).map(|(&point, &stretch)| (self.at(point), heat(stretch))).collect();
+            for ends in points.windows(2) {
+                let side = 0.5 * HEATED_LINE * (ends[1].0 - ends[0].0).normalized().rot90();
+                let first = mesh.vertices.len() as u32;
+                for (place, color) in ends {
+                    mesh.colored_vertex(*place - side, *color);
+                    mesh.colored_vertex(*place + side, *color);
+                }
+                mesh.add_triangle(first, first + 1, first + 2);
+                mesh.add_triangle(first + 1, first + 3, first + 2);
             }
         }
         if !mesh.is_empty() {
