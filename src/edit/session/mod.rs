@@ -12,6 +12,7 @@ mod key_steps;
 mod keying;
 mod painting;
 mod placing;
+mod plates;
 mod pointer;
 mod references;
 mod regions;
@@ -307,6 +308,7 @@ impl Session {
                 self.reload();
                 self.say("The scene changed on disk and was reloaded.");
             }
+            Reply::PlatesWritten(changed) => self.plates_changed(&changed),
         }
     }
 
