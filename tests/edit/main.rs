@@ -8,6 +8,7 @@ mod tiny;
 mod endurance;
 
 mod brush;
+mod export;
 mod foreign;
 mod handles;
 mod kept_view;

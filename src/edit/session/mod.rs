@@ -23,7 +23,6 @@ mod shot_settings;
 mod shown;
 
 pub use arrange::MatteChoice;
-pub(crate) use export_run::EXPORTS;
 pub(crate) use key_steps::CurveUnit;
 pub use key_steps::KeyStep;
 pub use keying::EasePreset;

@@ -6,7 +6,9 @@ use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
-use super::{bundled, dialogs, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport};
+use super::{
+    bundled, dialogs, export_window, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport,
+};
 use crate::edit::{Action, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
 use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
@@ -275,6 +277,7 @@ impl Editor {
             }
         }
         if let Some(session) = &mut self.session {
+            export_window::show(ctx, session);
             dialogs::replace_exported(ctx, session);
         }
         if let Some(browser) = &mut self.browser {

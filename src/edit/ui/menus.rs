@@ -127,10 +127,9 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
 /// Shows the export formats.
 fn exports(ui: &mut Ui, session: &mut Session) {
     ui.menu_button("Export", |ui| {
-        for (format, name) in EXPORTS {
-            if ui.button(name).clicked() {
-                let wake = ui.ctx().clone();
-                session.export(format, false, move || wake.request_repaint());
+        for format in &EXPORTS {
+            if ui.button(format.name).clicked() {
+                session.order_export(format);
                 ui.close();
             }
         }

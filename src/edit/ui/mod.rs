@@ -12,6 +12,7 @@ mod curves;
 mod dialogs;
 mod drops;
 mod editor;
+mod export_window;
 mod frame_scale;
 mod handle_panel;
 mod icons;
