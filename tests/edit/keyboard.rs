@@ -5,6 +5,7 @@ use crate::window::{Window, session, settled, window};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;
+use std::fs;
 
 /// A window on a shot whose left layer has two pins with keys, and the folder of both.
 fn opened() -> (Stage, Window) {
@@ -102,4 +103,26 @@ fn keys_in_curves_are_raised_and_moved_by_keyboard() {
     assert_eq!(times(&window, 0), [1.0, 6.0]);
     let labels: Vec<&str> = session(&window).document().history().labels().collect();
     assert_eq!(labels, ["Change keys", "Move keys", "Delete keys"]);
+}
+
+#[test]
+fn nudges_have_keys_of_their_own_and_arrow_keys_other_actions() {
+    let stage = Stage::with(PINS);
+    fs::create_dir_all(stage.state()).expect("a folder");
+    let own = "{ \"nudge_right\": \"J\", \"nudge_far_right\": \"Shift+J\", \"forward\": \"Right\" }";
+    fs::write(stage.state().join("keys.json"), own).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    let x = |window: &Window| keys(window, 0, Channel::X)[0][1];
+    let before = x(&window);
+    press(&mut window, Modifiers::NONE, Key::J);
+    assert!((x(&window) - before - 1.0).abs() < 1e-3, "{} from {before}", x(&window));
+    press(&mut window, Modifiers::SHIFT, Key::J);
+    press(&mut window, Modifiers::NONE, Key::ArrowLeft);
+    assert!((x(&window) - before - 10.0).abs() < 1e-3, "{} from {before}", x(&window));
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    assert!((x(&window) - before - 10.0).abs() < 1e-3, "it nudges nothing");
+    assert_eq!(session(&window).playhead.frame(), 2);
 }

@@ -6,9 +6,7 @@ use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
-use super::{
-    bundled, dialogs, export_window, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport,
-};
+use super::{bundled, dialogs, export_window, key_window, keys, menus, panels, start, theme, tour_window, viewport};
 use crate::edit::{Action, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
 use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
@@ -160,7 +158,6 @@ impl Editor {
             // Each drag of a number is undone separately.
             session.document_mut().end_series();
         }
-        // A key that is being bound triggers nothing.
         let pressed = if self.rebound.is_none() { keys::pressed(&ctx, &self.shortcuts) } else { Vec::new() };
         for action in pressed {
             self.act(&ctx, action, now);
@@ -177,8 +174,11 @@ impl Editor {
                 self.view.see_panels(sizes, is_resized);
                 let central = CentralPanel::no_frame().frame(Frame::NONE);
                 central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
-                nudges::show(&ctx, session);
             }
+        }
+        // A key that is being bound triggers nothing.
+        if self.rebound.is_none() {
+            self.late_keys(&ctx, now);
         }
         self.windows(&ctx);
         self.view.keep(&ctx, self.session.as_ref().map(|session| session.shown));

@@ -26,7 +26,6 @@ mod marks;
 mod matte;
 mod menus;
 mod name_field;
-mod nudges;
 mod number_field;
 mod onion;
 mod options;
