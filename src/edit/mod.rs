@@ -51,6 +51,7 @@ pub use open::open;
 pub use picture::{Picture, Quality};
 pub(crate) use playhead::Pace;
 pub use playhead::Playhead;
+pub(crate) use reference::Reference;
 pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, Onion, Wipe};
 pub use session::{
     Brush, EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
