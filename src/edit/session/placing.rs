@@ -40,7 +40,8 @@ impl Session {
         let Some((layer, point)) = found else {
             self.selection.clear();
             if let Some(node) = unmoved {
-                self.say(format!("No layer moves '{node}': add one in the panel on the left (+), then click again."));
+                let hint = "add it to a layer (Nodes), or make one from it (+), in the panel on the left";
+                self.say(format!("No layer moves '{node}': {hint}, then click again."));
             }
             if is_up {
                 self.gesture = Gesture::Idle;
