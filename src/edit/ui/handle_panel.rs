@@ -86,8 +86,8 @@ fn offset(ui: &mut Ui, session: &mut Session, handles: &[(usize, [usize; 3])]) {
     let mut typed = None;
     ui.label("Offset").on_hover_text("in per cent of the lattice's box, along its axes");
     ui.vertical(|ui| {
-        for axis in 0..axes {
-            let name = format!("Handle offset {}", AXES[axis].1);
+        for (axis, (_, letter)) in AXES.into_iter().enumerate().take(axes) {
+            let name = format!("Handle offset {letter}");
             let field = NumberField { name: &name, hint: &name, range: f64::MIN..=f64::MAX, decimals: 3 };
             let mut percent = 100.0 * first.offset[axis];
             let is_mixed = keys.iter().any(|key| key.offset[axis] != first.offset[axis]);
@@ -96,7 +96,7 @@ fn offset(ui: &mut Ui, session: &mut Session, handles: &[(usize, [usize; 3])]) {
                     .speed(0.1)
                     .custom_formatter(|_, _| "mixed".to_owned())
                     .custom_parser(|text| text.trim_end_matches('%').trim().parse().ok()),
-                false => number.speed(0.1).prefix(format!("{} ", AXES[axis].1)).suffix(" %"),
+                false => number.speed(0.1).prefix(format!("{letter} ")).suffix(" %"),
             });
             if is_edited {
                 typed = Some((axis, percent / 100.0));
