@@ -17,6 +17,7 @@ mod curve;
 mod document;
 mod dropped;
 mod error;
+mod export_order;
 mod history;
 mod journal;
 mod journal_line;
@@ -45,12 +46,14 @@ pub use curve::{Channel, Tangent};
 pub use document::{DiskChange, Document};
 pub(crate) use dropped::Dropped;
 pub use error::EditError;
+pub(crate) use export_order::{EXPORTS, ExportOrder};
 pub use history::History;
 pub use open::open;
 pub use picture::{Picture, Quality};
 pub(crate) use playhead::Pace;
 pub use playhead::Playhead;
-pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, EXPORTS, Onion, Wipe};
+pub(crate) use reference::Reference;
+pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, Onion, Wipe};
 pub use session::{
     Brush, EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
 };

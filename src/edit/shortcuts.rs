@@ -135,8 +135,34 @@ actions! {
     Before "before" "Hold" "Show the frame without the warp" "B",
     Region "region" "Hold" "Drag a pin's region, or the brush's radius" "R",
     Stiffness "stiffness" "Hold" "Drag a pin's stiffness, or paint it" "S",
+    NudgeLeft "nudge_left" "Nudge" "Left by a pixel" "Left",
+    NudgeRight "nudge_right" "Nudge" "Right by a pixel" "Right",
+    NudgeUp "nudge_up" "Nudge" "Up by a pixel" "Up",
+    NudgeDown "nudge_down" "Nudge" "Down by a pixel" "Down",
+    NudgeFarLeft "nudge_far_left" "Nudge" "Left by ten" "Shift+Left",
+    NudgeFarRight "nudge_far_right" "Nudge" "Right by ten" "Shift+Right",
+    NudgeFarUp "nudge_far_up" "Nudge" "Up by ten" "Shift+Up",
+    NudgeFarDown "nudge_far_down" "Nudge" "Down by ten" "Shift+Down",
     Tour "tour" "Help" "Tour of two minutes" "F2",
     Keys "keys" "Help" "List of keys" "F1",
+}
+
+impl Action {
+    /// Returns what it moves the selection by, in pixels to the right and up; `None` for other actions.
+    #[must_use]
+    pub(crate) const fn nudge(self) -> Option<[f64; 2]> {
+        Some(match self {
+            Self::NudgeLeft => [-1.0, 0.0],
+            Self::NudgeRight => [1.0, 0.0],
+            Self::NudgeUp => [0.0, 1.0],
+            Self::NudgeDown => [0.0, -1.0],
+            Self::NudgeFarLeft => [-10.0, 0.0],
+            Self::NudgeFarRight => [10.0, 0.0],
+            Self::NudgeFarUp => [0.0, 10.0],
+            Self::NudgeFarDown => [0.0, -10.0],
+            _ => return None,
+        })
+    }
 }
 
 /// Chords by action.

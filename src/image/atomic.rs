@@ -17,6 +17,10 @@ const ENDING: &str = ".tmp";
 /// Longest file name that is embedded in a temporary name, in bytes: file systems allow 255; the rest is for prefix and extension.
 const LONGEST_NAME: usize = 200;
 
+/// Endings of exported files.
+#[cfg(feature = "editor")]
+const OUTPUTS: [&str; 8] = [".exr", ".png", ".json", ".nk", ".py", ".glb", ".txt", ".jsx"];
+
 /// Random characters in a temporary name.
 const RANDOM_CHARS: usize = 6;
 
@@ -130,6 +134,23 @@ pub(crate) fn remove_stale(paths: impl IntoIterator<Item = PathBuf>) -> usize {
     prefixes.iter().map(stale_in).sum()
 }
 
+/// Removes the temporary files that a dead writer left in the folder of an output: those of outputs whose names begin like this one, up
+/// to its first dot or frame counter. Ignores what cannot be listed or removed.
+#[cfg(feature = "editor")]
+pub(crate) fn remove_unfinished(output: &Path) {
+    let Some(name) = output.file_name().and_then(OsStr::to_str) else { return };
+    let start = format!(".{}", name.split(['.', '#', '%']).next().unwrap_or(name));
+    let is_unfinished = |name: &OsStr| {
+        let stem = name.to_str().and_then(|name| name.strip_suffix(ENDING));
+        let own = stem.and_then(|stem| stem.get(..stem.len().checked_sub(RANDOM_CHARS)?));
+        own.is_some_and(|own| own.starts_with(&start) && OUTPUTS.iter().any(|ending| own.ends_with(ending)))
+    };
+    let entries = fs::read_dir(folder_of(output)).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| is_unfinished(&entry.file_name())) {
+        remove_unlocked(&entry.path());
+    }
+}
+
 /// Matches `PREFIX.tmp` and `PREFIXabc123.tmp`.
 fn is_temporary(name: &OsStr, prefixes: &HashSet<OsString>) -> bool {
     let Some(stem) = name.to_str().and_then(|name| name.strip_suffix(ENDING)) else { return false };
@@ -207,6 +228,23 @@ mod tests {
         for name in others.iter().chain(&[".f.0002.exrAb12Cd.tmp"]) {
             assert!(at(name).exists(), "{name}");
         }
+    }
+
+    #[test]
+    #[cfg(feature = "editor")]
+    fn what_a_killed_export_leaves_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let left = [".hero.stmap.0003.exrAb12Cd.tmp", ".hero.nkAb12Cd.tmp", ".hero.warped.glbxyz123.tmp"];
+        let others = ["hero.toml", ".hero.cache.tmp", ".other.stmap.0003.exrAb12Cd.tmp", "hero.stmap.0002.exr"];
+        for name in left.iter().chain(&others) {
+            fs::write(at(name), "part").expect("written");
+        }
+        remove_unfinished(&at("hero.toml"));
+        assert!(left.iter().all(|name| !at(name).exists()) && others.iter().all(|name| at(name).exists()));
+        fs::write(at(".frame_0001.exrAb12Cd.tmp"), "part").expect("written");
+        remove_unfinished(&at("frame_####.exr"));
+        assert!(!at(".frame_0001.exrAb12Cd.tmp").exists());
     }
 
     #[test]

@@ -40,6 +40,8 @@ mod squared_distance;
 mod srgb;
 mod window;
 
+#[cfg(feature = "editor")]
+pub(crate) use atomic::remove_unfinished;
 pub use atomic::{Destination, Durability};
 pub(crate) use atomic::{remove_stale, replace_bytes, replace_text};
 pub use channels::{ChannelGroup, ChannelSpec};

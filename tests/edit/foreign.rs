@@ -1,7 +1,7 @@
 //! Files that the editor did not make: models of others, pictures, plates, lattices in the scene, broken shots.
 
 use crate::assets;
-use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press};
+use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
 use pinwarp::image::{Preview, write_png};
 use pinwarp::raster::DeviceChoice;
@@ -102,6 +102,27 @@ fn a_picture_and_plates_are_edited() {
     assert!(!session.settle(TIMEOUT), "the plate has no Cryptomatte");
     assert!(session.fault().is_some_and(|text| text.to_lowercase().contains("cryptomatte")), "{:?}", session.fault());
     session.undo();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+}
+
+#[test]
+fn a_plate_that_another_program_writes_is_drawn_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |frame: i32, grey: u8| {
+        let mut picture = Preview::transparent(96, 54);
+        picture.rgba.chunks_exact_mut(4).for_each(|pixel| pixel.copy_from_slice(&[grey, grey, grey, 255]));
+        write_png(&folder.path().join(format!("plate.{frame:04}.png")), &picture).expect("written");
+    };
+    (1..=3).for_each(|frame| write(frame, 40));
+    let mut session = opened(&folder.path().join("plate.####.png"));
+    until(&mut session, "all frames are drawn", Session::is_idle);
+    let grey = |session: &Session| session.picture().map(|picture| (picture.frame, picture.rgba[0]));
+    assert!(grey(&session).is_some_and(|(frame, grey)| frame == 1 && grey < 100), "{:?}", grey(&session));
+    // Files written within the resolution of modification times are told apart.
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    write(1, 200);
+    until(&mut session, "the new plate is seen", |session| grey(session).is_some_and(|(_, grey)| grey > 150));
+    assert!(session.message().is_some_and(|told| told.contains("plates changed")), "{:?}", session.message());
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
 }
 

@@ -3,10 +3,11 @@
 use crate::acts::{click, press};
 use crate::seen::says;
 use crate::stage::{PINS, Stage};
-use crate::window::{Window, opened_with, session};
+use crate::window::{Window, opened_with, session, settled, window};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;
+use std::fs;
 
 /// A window on a shot whose left layer has two pins with keys, and the folder of both.
 fn opened() -> (Stage, Window) {
@@ -124,9 +125,7 @@ fn a_key_that_is_bound_anew_acts_and_the_old_one_does_not() {
 #[test]
 fn a_rotation_is_keyed_separately_in_a_row_of_its_own() {
     let turned = PINS.replacen("offset = [0.1, 0.0] }", "offset = [0.1, 0.0], rotate = 20 }", 1);
-    let stage = Stage::with(&turned);
-    let mut window = window(&stage.state(), Some(&stage.shot()));
-    settled(&mut window);
+    let (_stage, mut window) = opened_with(&turned);
     let text = session(&window).document().text().to_owned();
     focus(&mut window, "Keys of a");
     press(&mut window, Modifiers::NONE, Key::Enter);
@@ -155,4 +154,26 @@ fn a_rotation_is_keyed_separately_in_a_row_of_its_own() {
     press(&mut window, Modifiers::COMMAND, Key::Z);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(session(&window).document().text(), text);
+}
+
+#[test]
+fn nudges_have_keys_of_their_own_and_arrow_keys_other_actions() {
+    let stage = Stage::with(PINS);
+    fs::create_dir_all(stage.state()).expect("a folder");
+    let own = "{ \"nudge_right\": \"J\", \"nudge_far_right\": \"Shift+J\", \"forward\": \"Right\" }";
+    fs::write(stage.state().join("keys.json"), own).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    let x = |window: &Window| keys(window, 0, Channel::X)[0][1];
+    let before = x(&window);
+    press(&mut window, Modifiers::NONE, Key::J);
+    assert!((x(&window) - before - 1.0).abs() < 1e-3, "{} from {before}", x(&window));
+    press(&mut window, Modifiers::SHIFT, Key::J);
+    press(&mut window, Modifiers::NONE, Key::ArrowLeft);
+    assert!((x(&window) - before - 10.0).abs() < 1e-3, "{} from {before}", x(&window));
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    assert!((x(&window) - before - 10.0).abs() < 1e-3, "it nudges nothing");
+    assert_eq!(session(&window).playhead.frame(), 2);
 }

@@ -11,8 +11,10 @@ mod endurance;
 
 mod acts;
 mod brush;
+mod export;
 mod faults;
 mod foreign;
+mod handles;
 mod kept_view;
 mod keyboard;
 mod keys;

@@ -198,3 +198,18 @@ fn a_click_on_what_no_layer_moves_is_explained() {
     until(&mut session, "the click is answered", |session| session.message().is_some());
     assert!(session.message().is_some_and(|told| told.contains("No layer moves 'Right'")), "{:?}", session.message());
 }
+
+#[test]
+fn a_click_in_a_shot_without_layers_is_explained_and_a_held_drag_is_a_box() {
+    let stage = Stage::new();
+    let [layers, output] = ["[[layer]]", "[output]"].map(|key| SHOT.find(key).expect("there"));
+    fs::write(stage.shot(), [&SHOT[..layers], &SHOT[output..]].concat()).expect("written");
+    let mut session = stage.session();
+    press(&mut session, at(ON_LEFT[0], ON_LEFT[1]));
+    session.motion(at(0.5, 0.6));
+    until(&mut session, "a box is drawn", |session| session.choosing_box().is_some());
+    let told = session.message().unwrap_or_default().to_owned();
+    assert!(told.contains("No layer moves 'Left'") && told.contains("make one from it"), "{told}");
+    session.release();
+    assert!(session.choosing_box().is_none() && session.selection.pins.is_empty());
+}

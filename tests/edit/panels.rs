@@ -45,6 +45,34 @@ fn of_files_dropped_at_once_one_is_opened_and_a_picture_lies_over_it() {
     assert_eq!(session(&window).reference_count(), 2);
 }
 
+#[test]
+fn a_render_goes_on_in_the_background_or_is_cancelled_when_another_shot_is_opened() {
+    let stage = Stage::new();
+    let other = stage.folder.path().join("other.toml");
+    fs::write(stage.shot(), SHOT.replace("last = 6", "last = 5000")).expect("written");
+    fs::write(&other, SHOT.replace("out/frame", "out/other")).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::R);
+    window.run_steps(2);
+    for answer in ["Stay here", "Keep rendering"] {
+        window.input_mut().dropped_files.push(Arc::new(Handed(other.clone())) as egui::DroppedFileHandle);
+        window.run_steps(3);
+        assert_eq!(session(&window).document().path(), stage.shot(), "it is asked first");
+        window.get_by_label(answer).click();
+        window.run_steps(3);
+    }
+    assert_eq!(session(&window).document().path(), other);
+    assert!(session(&window).run().is_none(), "it is no render of this shot");
+    window.get_by_label("Cancel the render of shot.toml").click();
+    until(&mut window, "the render ends", |window| window.query_by_label("Cancel the render of shot.toml").is_none());
+    assert!(
+        session(&window).message().is_some_and(|told| told.contains("Cancelled")),
+        "{:?}",
+        session(&window).message()
+    );
+}
+
 /// The pictures in the viewport in the order in which they are drawn: height in points, opacity.
 fn drawn_pictures(window: &Window) -> Vec<[f32; 2]> {
     let mut found = Vec::new();
@@ -85,6 +113,7 @@ fn reference_pictures_have_opacities_sizes_and_sides_of_their_own() {
         window.get_by_label(menu).click();
         window.run_steps(3);
     }
+    until(&mut window, "both are decoded", |window| drawn_pictures(window).len() > 2);
     assert_eq!(drawn_pictures(&window), [[frame, 1.0], [frame, 0.5], [frame, 0.5]], "what is there is not added again");
     let number = |window: &Window, label: &str, value: f64| {
         window.get_all_by_label(label).next().expect("it is there").set_value_accesskit(value);

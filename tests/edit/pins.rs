@@ -66,6 +66,40 @@ fn edits_are_mirrored_to_the_other_side() {
 }
 
 #[test]
+fn regions_and_weights_are_mirrored_to_the_other_side_at_once() {
+    let (_stage, mut session) = Stage::open();
+    for (index, (x, name)) in [(0.3, "ear left"), (0.65, "ear right")].into_iter().enumerate() {
+        place_pin(&mut session, at(x, 0.5));
+        session.rename_pin([0, index], name);
+    }
+    assert!(session.settle(TIMEOUT));
+    let both = |session: &Session| [0, 1].map(|index| (pin(session, 0, index).region, pin(session, 0, index).weight));
+    let before = session.document().text().to_owned();
+    let size = |session: &mut Session, part: PinPart, to: [f64; 2]| {
+        let ring = Ring { radius: 9.0, reach: 0.0 };
+        session.press(at(0.3, 0.5), (REACH, ring), Held { part, ..Held::default() });
+        session.motion(at(to[0], to[1]));
+        session.release();
+        assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    };
+    session.mirrors = true;
+    size(&mut session, PinPart::Radius, [0.42, 0.5]);
+    size(&mut session, PinPart::Stiffness, [0.3, 0.6]);
+    session.set_weight([0, 1], 0.5);
+    let [(left, left_weight), (right, right_weight)] = both(&session);
+    let region = left.expect("it has one");
+    assert!((region.radius - 0.12).abs() < 1e-3 && region.stiffness > 3.0 && left == right, "{left:?} {right:?}");
+    assert_eq!([left_weight, right_weight], [0.5; 2]);
+    for _ in 0..3 {
+        session.undo();
+    }
+    assert_eq!(session.document().text(), before, "each is one step");
+    session.mirrors = false;
+    session.set_weight([0, 0], 0.5);
+    assert_eq!(both(&session)[1].1, 1.0);
+}
+
+#[test]
 fn a_held_key_and_a_drag_stiffen_a_region() {
     let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.4, 0.5));

@@ -167,3 +167,28 @@ fn numbers_in_sizes_of_the_box_are_per_cent_and_regions_keep_their_unit() {
     assert!((radius - 0.5 / diagonal).abs() < 1e-3, "{radius} of {diagonal}");
     assert!((radius - 0.5).abs() > 5e-3, "the box is no frame height across: {diagonal}");
 }
+
+#[test]
+fn a_lattice_in_the_scene_shows_its_distortion_and_where_it_folds() {
+    let stage = Stage::new();
+    let mut session = in_scene(&stage, "");
+    let stretches =
+        |session: &Session| -> Vec<f64> { session.marks()[0].distortion.iter().flatten().copied().collect() };
+    let points = session.marks()[0].lines.iter().map(Vec::len).sum::<usize>();
+    assert!(points > 100 && stretches(&session).len() == points, "one for each of {points} points");
+    assert!(stretches(&session).iter().all(|stretch| (stretch - 1.0).abs() < 1e-6), "at rest");
+    assert!(session.marks()[0].folded.is_empty());
+    // The middle passes its neighbour to the right, whose other neighbours stay.
+    let handle = |index: [usize; 3], x: f64| {
+        format!("\n[[layer.handle]]\nindex = {index:?}\nkeys = [{{ frame = 1, offset = [{x:?}, 0.0, 0.0] }}]\n")
+    };
+    let still = [[2, 1, 1], [2, 2, 1], [2, 0, 1], [2, 1, 2], [2, 1, 0]].map(|index| handle(index, 0.0)).concat();
+    let text = fs::read_to_string(stage.shot()).expect("there");
+    let text = text.replacen("dims = [4, 4, 4]", "dims = [3, 3, 3], basis = \"bilinear\"", 1);
+    let more = format!("coarse on purpose\n{}{still}", handle([1, 1, 1], 1.5));
+    fs::write(stage.shot(), text.replacen("coarse on purpose\n", &more, 1)).expect("written");
+    session = stage.session();
+    let marks = &session.marks()[0];
+    assert!(stretches(&session).iter().any(|stretch| *stretch > 1.5), "{:?}", stretches(&session));
+    assert!(!marks.folded.is_empty() && marks.folded.iter().all(|face| face.len() == 16), "{:?}", marks.folded);
+}

@@ -13,6 +13,7 @@ mod key_steps;
 mod keying;
 mod painting;
 mod placing;
+mod plates;
 mod pointer;
 mod references;
 mod regions;
@@ -23,7 +24,6 @@ mod shot_settings;
 mod shown;
 
 pub use arrange::MatteChoice;
-pub(crate) use export_run::EXPORTS;
 pub(crate) use key_steps::CurveUnit;
 pub use key_steps::KeyStep;
 pub use keying::EasePreset;
@@ -308,6 +308,7 @@ impl Session {
                 self.reload();
                 self.say("The scene changed on disk and was reloaded.");
             }
+            Reply::PlatesWritten(changed) => self.plates_changed(&changed),
         }
     }
 

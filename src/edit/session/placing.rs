@@ -10,7 +10,7 @@ use crate::pipeline::PickedPoint;
 use crate::shot::edit::{
     PinName, Setting, add_pin, mirror_pin, put_keys, put_pin_setting, put_region, remove_pin, rename_pin,
 };
-use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot};
+use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot, ShotError};
 use crate::space::ScreenPoint;
 use crate::spelling::other_side;
 use std::collections::BTreeSet;
@@ -40,7 +40,8 @@ impl Session {
         let Some((layer, point)) = found else {
             self.selection.clear();
             if let Some(node) = unmoved {
-                self.say(format!("No layer moves '{node}': add one in the panel on the left (+), then click again."));
+                let hint = "add it to a layer (Nodes), or make one from it (+), in the panel on the left";
+                self.say(format!("No layer moves '{node}': {hint}, then click again."));
             }
             if is_up {
                 self.gesture = Gesture::Idle;
@@ -143,22 +144,32 @@ impl Session {
         }
     }
 
-    /// Sets the region that moves with a pin; `None`: only its point moves.
+    /// Sets the region that moves with a pin, and with its counterpart; `None`: only its point moves.
     pub(crate) fn set_region(&mut self, at: [usize; 2], region: Option<PinRegion>) {
-        if let Some((layer, pin)) = self.names_of(at) {
-            let text = put_region(self.document.text(), PinName { layer: &layer, pin: &pin }, region);
-            self.change("Change region", text, Some(&format!("region {layer}/{pin}")));
-        }
+        self.set_with_counterpart(at, "region", |text, at| put_region(text, at, region));
     }
 
-    /// Sets a pin's weight: 1 holds the point exactly, less lets it yield.
+    /// Sets the weight of a pin, and of its counterpart: 1 holds the point exactly, less lets it yield.
     pub fn set_weight(&mut self, at: [usize; 2], weight: f64) {
-        let Some((layer, pin)) = self.names_of(at) else { return };
         let weight = (weight.clamp(0.0, 1.0) * 1e3).round() / 1e3;
         let setting = if weight == 1.0 { Setting::Default } else { Setting::Number(weight) };
-        let at = PinName { layer: &layer, pin: &pin };
-        let text = put_pin_setting(self.document.text(), at, "weight", &setting);
-        self.change("Change weight", text, Some(&format!("weight {layer}/{pin}")));
+        self.set_with_counterpart(at, "weight", |text, at| put_pin_setting(text, at, "weight", &setting));
+    }
+
+    /// Changes a setting of a pin and, if edits are mirrored, of its counterpart, at once.
+    fn set_with_counterpart(
+        &mut self,
+        at: [usize; 2],
+        what: &str,
+        put: impl Fn(&str, PinName) -> Result<String, ShotError>,
+    ) {
+        let Some((layer, pin)) = self.names_of(at) else { return };
+        let series = format!("{what} {layer}/{pin}");
+        let mut text = Ok(self.document.text().to_owned());
+        for (layer, pin) in self.with_counterpart(at).into_iter().filter_map(|at| self.names_of(at)) {
+            text = text.and_then(|text| put(&text, PinName { layer: &layer, pin: &pin }));
+        }
+        self.change(&format!("Change {what}"), text, Some(&series));
     }
 
     /// Mutes or unmutes the selected pins.

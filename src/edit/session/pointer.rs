@@ -181,24 +181,23 @@ impl Session {
             }
             Gesture::Region { pin: [layer, pin], rest, base } => {
                 let radius = (to - *rest).0.length().clamp(RADII[0], RADII[1]);
-                let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
+                let (layer, pin, shot) = (*layer, *pin, Shot::clone(base));
                 let radius = radius * self.radius_per_height([layer, pin]).unwrap_or(1.0);
-                let own = &mut shot.layers[layer].pins[pin];
-                let old = own.region.unwrap_or(PinRegion { radius, rigidity: 1.0, stiffness: 1.0 });
-                own.region = Some(PinRegion { radius: (radius * 1e4).round() / 1e4, ..old });
-                self.show_dragged(Ok(shot));
+                let old = shot.layers[layer].pins[pin].region;
+                let old = old.unwrap_or(PinRegion { radius, rigidity: 1.0, stiffness: 1.0 });
+                let new = PinRegion { radius: (radius * 1e4).round() / 1e4, ..old };
+                self.show_region(shot, [layer, pin], new);
             }
             Gesture::Stiffness { pin: [layer, pin], from, base } => {
-                let (layer, pin, mut shot) = (*layer, *pin, Shot::clone(base));
+                let (layer, pin, shot) = (*layer, *pin, Shot::clone(base));
                 let tens = (to - *from).0.y * STIFFNESS_PER_HEIGHT;
                 let radius = USUAL_RADIUS * self.radius_per_height([layer, pin]).unwrap_or(1.0);
-                let own = &mut shot.layers[layer].pins[pin];
-                let old = own.region.unwrap_or(PinRegion { radius, rigidity: 0.0, stiffness: 1.0 });
+                let old = shot.layers[layer].pins[pin].region;
+                let old = old.unwrap_or(PinRegion { radius, rigidity: 0.0, stiffness: 1.0 });
                 let stiffness = (old.stiffness * 10.0_f64.powf(tens)).clamp(STIFFNESSES[0], STIFFNESSES[1]);
                 let stiffness = (stiffness * 1e2).round() / 1e2;
-                own.region = Some(PinRegion { stiffness, ..old });
                 self.say(format!("Stiffness {stiffness:.2}: up is stiffer, down softer; 1 is as the rest"));
-                self.show_dragged(Ok(shot));
+                self.show_region(shot, [layer, pin], PinRegion { stiffness, ..old });
             }
         }
     }
@@ -302,17 +301,35 @@ impl Session {
 
     /// Returns the counterparts of the selected pins on the other side, if mirroring is on.
     fn counterparts(&self, shot: &Shot) -> impl Iterator<Item = [usize; 2]> {
-        let chosen = if self.mirrors { self.selection.pins.iter().copied().collect() } else { Vec::new() };
-        let other = |at: [usize; 2]| {
-            let name = other_side(&shot.layers[at[0]].pins[at[1]].name)?;
-            // Looks in its own layer first, then in the others.
-            let named =
-                |layer: usize| shot.layers[layer].pins.iter().position(|pin| pin.name == name && pin.mirror.is_none());
-            let layers = std::iter::once(at[0]).chain(0..shot.layers.len());
-            { layers }.find_map(|layer| Some([layer, named(layer)?]))
-        };
-        let found: Vec<[usize; 2]> = chosen.into_iter().filter_map(other).collect();
+        let chosen = self.selection.pins.iter().filter_map(|&at| self.counterpart(shot, at));
+        let found: Vec<[usize; 2]> = chosen.collect();
         found.into_iter().filter(|at| !self.selection.pins.contains(at))
+    }
+
+    /// Returns the counterpart of a pin on the other side, by its name, if mirroring is on.
+    fn counterpart(&self, shot: &Shot, at: [usize; 2]) -> Option<[usize; 2]> {
+        let own = shot.layers.get(at[0])?.pins.get(at[1]).filter(|_| self.mirrors)?;
+        let name = other_side(&own.name)?;
+        // Looks in its own layer first, then in the others.
+        let named =
+            |layer: usize| shot.layers[layer].pins.iter().position(|pin| pin.name == name && pin.mirror.is_none());
+        let layers = std::iter::once(at[0]).chain(0..shot.layers.len());
+        { layers }.find_map(|layer| Some([layer, named(layer)?]))
+    }
+
+    /// Returns a pin, and its counterpart if mirroring is on and both have regions in the same unit.
+    pub(super) fn with_counterpart(&self, at: [usize; 2]) -> Vec<[usize; 2]> {
+        let other = self.counterpart(self.document.shot(), at);
+        let other = other.filter(|other| self.radius_unit(*other) == self.radius_unit(at));
+        std::iter::once(at).chain(other).collect()
+    }
+
+    /// Shows a drag of the region of a pin, and of its counterpart.
+    fn show_region(&mut self, mut shot: Shot, at: [usize; 2], region: PinRegion) {
+        for [layer, pin] in self.with_counterpart(at) {
+            shot.layers[layer].pins[pin].region = Some(region);
+        }
+        self.show_dragged(Ok(shot));
     }
 
     fn show_dragged(&mut self, shot: Result<Shot, EditError>) {
@@ -377,37 +394,16 @@ impl Session {
         nearest.map(|(_, pin, rest)| (pin, rest))
     }
 
-    /// Returns the nearest visible handle.
-    #[must_use]
-    pub(crate) fn handle_near(&self, at: ScreenPoint, reach: f64) -> Option<(usize, [usize; 3])> {
-        if !self.shown.handles || self.shown.is_hidden {
-            return None;
-        }
-        let mut found: Option<(f64, (usize, [usize; 3]))> = None;
-        for marks in self.marks() {
-            let Some(layer) = self.document.shot().layers.get(marks.layer) else { continue };
-            let [columns, rows, _] = layer.space.dims();
-            for (number, handle) in marks.handles.iter().enumerate() {
-                let far = handle.map_or(f64::INFINITY, |handle| (handle - at).0.length());
-                if far <= reach && found.is_none_or(|(nearest, _)| far < nearest) {
-                    let index = [number % columns, number / columns % rows, number / columns / rows];
-                    found = Some((far, (marks.layer, index)));
-                }
-            }
-        }
-        found.map(|(_, handle)| handle)
-    }
-
+    /// Selects the visible pins and handles in a box.
     fn choose_box(&mut self, [a, b]: [ScreenPoint; 2]) {
-        if !self.shown.shows_pins() {
-            return;
-        }
         let holds = |point: ScreenPoint| ((point - a).0 * (point - b).0).max_element() <= 0.0;
-        let marks = self.marks();
+        let marks = if self.shown.shows_pins() { self.marks() } else { &[] };
         let pins =
             marks.iter().flat_map(|marks| marks.pins.iter().map(move |pin| ([marks.layer, pin.pin], pin.target)));
-        let chosen: Vec<[usize; 2]> = pins.filter(|(_, target)| holds(*target)).map(|(pin, _)| pin).collect();
-        self.selection.pins.extend(chosen);
+        let pins: Vec<[usize; 2]> = pins.filter(|(_, target)| holds(*target)).map(|(pin, _)| pin).collect();
+        let handles = self.handles_where(holds);
+        self.selection.pins.extend(pins);
+        self.selection.handles.extend(handles);
     }
 
     /// Returns the marks of the current frame.

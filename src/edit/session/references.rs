@@ -9,10 +9,10 @@ use std::path::Path;
 
 impl Session {
     /// Lays a picture, or a path with a frame counter, over the frame and over the other references. One that is there
-    /// already keeps its place and is read again.
+    /// already keeps its place.
     ///
     /// # Errors
-    /// [`EditError`] if it cannot be read.
+    /// [`EditError`] if there is no such file.
     pub fn add_reference(&mut self, path: &Path) -> Result<(), EditError> {
         let opened = Reference::open(path, self.playhead.frame())?;
         self.put_reference(path, opened);
@@ -20,9 +20,8 @@ impl Session {
     }
 
     pub(super) fn put_reference(&mut self, path: &Path, opened: Reference) {
-        match self.references.iter_mut().find(|known| known.is_of(path)) {
-            Some(known) => known.read_again(),
-            None => self.references.push(opened),
+        if !self.references.iter().any(|known| known.is_of(path)) {
+            self.references.push(opened);
         }
     }
 

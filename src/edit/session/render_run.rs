@@ -9,6 +9,7 @@ use crate::pipeline::{Event, PreparedShot, RenderOptions, Summary, render};
 use crate::raster::DeviceChoice;
 use crate::shot::Shot;
 use std::panic::AssertUnwindSafe;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -16,6 +17,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// A render that is running or has ended.
 #[derive(Debug)]
 pub struct RenderRun {
+    /// The file of its shot.
+    pub(crate) shot: PathBuf,
     events: Receiver<RenderMessage>,
     cancel: Arc<AtomicBool>,
     /// Number of requested frames.
@@ -27,7 +30,7 @@ pub struct RenderRun {
     /// Its state.
     pub state: RunState,
     /// Paths of finished frames, in order.
-    pub(crate) files: Vec<std::path::PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// The state of a render.
@@ -49,7 +52,7 @@ impl Session {
     /// Renders the playback range if there is one, else the whole shot; existing frames that are up to date are kept. A render
     /// that is running goes on instead.
     pub(crate) fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
-        if self.run.as_ref().is_some_and(|run| run.state == RunState::Running) {
+        if self.is_rendering() {
             return;
         }
         let frames: Vec<i32> = match self.playhead.has_range() {
@@ -65,11 +68,25 @@ impl Session {
         self.run.as_ref()
     }
 
+    /// Returns whether a render is running.
+    #[must_use]
+    pub(crate) fn is_rendering(&self) -> bool {
+        self.run.as_ref().is_some_and(RenderRun::is_running)
+    }
+
+    /// Hands over the running render, which goes on without the session.
+    pub(crate) fn take_run(&mut self) -> Option<RenderRun> {
+        self.run.take_if(|run| run.is_running())
+    }
+
+    /// Takes over a render of the same shot.
+    pub(crate) fn resume_run(&mut self, run: RenderRun) {
+        self.run = Some(run);
+    }
+
     /// Cancels the render after the frames in flight.
     pub(crate) fn cancel_render(&self) {
-        if let Some(run) = &self.run {
-            run.cancel.store(true, Ordering::Relaxed);
-        }
+        self.run.iter().for_each(RenderRun::cancel);
     }
 
     /// Lays the frames of the last render over the picture, as a reference.
@@ -90,7 +107,7 @@ impl Session {
 
     /// Closes the log of the last render.
     pub(crate) fn close_render(&mut self) {
-        if self.run.as_ref().is_some_and(|run| run.state != RunState::Running) {
+        if !self.is_rendering() {
             self.run = None;
         }
     }
@@ -98,7 +115,7 @@ impl Session {
 
 impl RenderRun {
     fn start(shot: Shot, (frames, device): (Vec<i32>, DeviceChoice), wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let (sender, events) = channel();
+        let (path, (sender, events)) = (shot.path.clone(), channel());
         let cancel = Arc::new(AtomicBool::new(false));
         let (count, own_cancel) =
             (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
@@ -134,11 +151,22 @@ impl RenderRun {
             log.push(format!("no thread can be started: {error}"));
             state = RunState::Ended("Nothing was rendered.".into());
         }
-        Self { events, cancel, frames: count, done: 0, log, state, files: Vec::new() }
+        Self { shot: path, events, cancel, frames: count, done: 0, log, state, files: Vec::new() }
+    }
+
+    /// Returns whether it is running.
+    #[must_use]
+    pub(crate) fn is_running(&self) -> bool {
+        self.state == RunState::Running
+    }
+
+    /// Cancels it after the frames in flight.
+    pub(crate) fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
     }
 
     /// Processes the render's events. Returns whether anything changed.
-    pub(super) fn pump(&mut self) -> bool {
+    pub(crate) fn pump(&mut self) -> bool {
         let mut is_any = false;
         loop {
             match self.events.try_recv() {
@@ -191,7 +219,16 @@ mod tests {
     fn abandoned() -> RenderRun {
         let (_, events) = channel();
         let (cancel, state) = (Arc::default(), RunState::Running);
-        RenderRun { events, cancel, frames: 77, done: 0, log: Vec::new(), state, files: Vec::new() }
+        RenderRun {
+            shot: "a.toml".into(),
+            events,
+            cancel,
+            frames: 77,
+            done: 0,
+            log: Vec::new(),
+            state,
+            files: Vec::new(),
+        }
     }
 
     #[test]
@@ -200,6 +237,17 @@ mod tests {
         assert!(run.pump());
         assert!(matches!(&run.state, RunState::Ended(words) if words.contains("internal error")), "{:?}", run.state);
         assert!(!run.pump(), "that is told once");
+    }
+
+    #[test]
+    fn a_running_render_is_handed_over_and_one_that_ended_is_not() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        session.run = Some(abandoned());
+        let mut run = session.take_run().expect("it runs");
+        assert!(!session.is_rendering() && session.run().is_none());
+        run.pump();
+        session.resume_run(run);
+        assert!(!session.is_rendering() && session.take_run().is_none() && session.run().is_some());
     }
 
     #[test]

@@ -25,6 +25,11 @@ impl Selection {
         *self = Self { layer: at[0], pins: BTreeSet::from([at]), ..Self::default() };
     }
 
+    /// Selects one handle only.
+    pub(crate) fn only_handle(&mut self, at: (usize, [usize; 3])) {
+        *self = Self { layer: at.0, handles: BTreeSet::from([at]), ..Self::default() };
+    }
+
     /// Clears the selection; the active layer is kept.
     pub fn clear(&mut self) {
         *self = Self { layer: self.layer, ..Self::default() };

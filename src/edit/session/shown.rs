@@ -91,6 +91,11 @@ impl Shown {
     pub(super) const fn shows_pins(&self) -> bool {
         self.pins && !self.is_hidden
     }
+
+    /// Whether handles are seen.
+    pub(super) const fn shows_handles(&self) -> bool {
+        self.handles && !self.is_hidden
+    }
 }
 
 impl Default for Shown {

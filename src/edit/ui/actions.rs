@@ -2,6 +2,7 @@
 
 use super::browser::Purpose;
 use super::editor::Editor;
+use super::keys;
 use crate::edit::{Action, Session, Wipe};
 use eframe::egui;
 
@@ -32,6 +33,18 @@ impl Editor {
         }
     }
 
+    /// Handles the keys that widgets with keyboard focus use first: arrow keys, and Escape, which cancels the gesture.
+    pub(super) fn late_keys(&mut self, ctx: &egui::Context, now: f64) {
+        let Some(session) = self.session.as_mut().filter(|_| !keys::are_taken(ctx)) else { return };
+        if ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
+            session.cancel();
+        }
+        let can_nudge = !session.selection.tracks(session.document().shot()).is_empty();
+        for action in keys::pressed_arrows(ctx, &self.shortcuts, can_nudge) {
+            self.act(ctx, action, now);
+        }
+    }
+
     fn save(&mut self) {
         let Some(session) = &mut self.session else { return };
         let Err(error) = session.save() else { return };
@@ -54,8 +67,12 @@ impl Editor {
 fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f64) {
     let frame = session.playhead.frame();
     let [first, last] = session.playhead.range();
-    let shown = &mut session.shown;
     let flip = |value: &mut bool| *value = !*value;
+    if let Some(by) = action.nudge().filter(|_| !session.selection.tracks(session.document().shot()).is_empty()) {
+        let pixel = 1.0 / f64::from(session.shot().size.height.max(1));
+        return session.nudge(pixel * glam::DVec2::from(by));
+    }
+    let shown = &mut session.shown;
     match action {
         Action::Undo => session.undo(),
         Action::Redo => session.redo(),

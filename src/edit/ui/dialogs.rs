@@ -1,6 +1,6 @@
 //! Modal windows: render progress, questions.
 
-use crate::edit::{RunState, Session};
+use crate::edit::{ExportOrder, RunState, Session};
 use eframe::egui::{self, Align2, Modal, RichText, ScrollArea, vec2};
 
 /// The answer to a three-way question.
@@ -56,13 +56,13 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
 
 /// Asks whether an export may replace files that are there already.
 pub(super) fn replace_exported(ctx: &egui::Context, session: &mut Session) {
-    let Some(format) = session.export_clash() else { return };
+    let Some(order) = session.export_clash().cloned() else { return };
     let words = session.message().unwrap_or_default().to_owned();
     let Some(answer) = ask(ctx, ("Replace the exported files?", &words), ["Replace", "Keep", ""]) else { return };
     session.keep_exported();
     if answer == Answer::First {
         let wake = ctx.clone();
-        session.export(format, true, move || wake.request_repaint());
+        session.export(&ExportOrder { replaces: true, ..order }, move || wake.request_repaint());
     }
 }
 

@@ -18,13 +18,9 @@ impl Editor {
         }
     }
 
-    /// Opens files, after a question if there is unsaved work.
+    /// Opens files, after questions if there is unsaved work or something is running.
     pub(super) fn try_open(&mut self, ctx: &egui::Context, files: Dropped) {
-        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
-            self.questions.unsaved = Some(Deferred::Open(files));
-        } else {
-            self.open_files(ctx, files);
-        }
+        self.leave(ctx, Deferred::Open(files));
     }
 
     /// Opens the first file that can be opened, and lays the pictures beside it over the frame.

@@ -6,8 +6,8 @@ use super::options::EditorOptions;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
-use super::{bundled, dialogs, key_window, keys, menus, nudges, panels, start, theme, tour_window, viewport};
-use crate::edit::{Action, Document, Dropped, EditError, Session, Shortcuts, Tour, Unfinished, unfinished};
+use super::{bundled, dialogs, export_window, key_window, keys, menus, panels, start, theme, tour_window, viewport};
+use crate::edit::{Action, Document, Dropped, EditError, RenderRun, Session, Shortcuts, Tour, Unfinished, unfinished};
 use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
@@ -20,11 +20,13 @@ pub(super) enum Deferred {
     Quit,
 }
 
-/// What is asked about files.
+/// What is asked about files and renders.
 #[derive(Debug, Default)]
 pub(super) struct Questions {
     /// Whether to save unsaved work before this.
     pub(super) unsaved: Option<Deferred>,
+    /// Whether to keep what is running before this.
+    pub(super) running: Option<Deferred>,
     /// Whether to overwrite this file by the shot.
     pub(super) overwritten: Option<PathBuf>,
     /// Whether to recover work on the open shot from this journal.
@@ -37,6 +39,8 @@ pub struct Editor {
     pub(super) shortcuts: Shortcuts,
     view: KeptView,
     pub(super) session: Option<Session>,
+    /// Renders of shots that are not open any more.
+    pub(super) background: Vec<RenderRun>,
     /// Work of killed editors.
     pub(super) left: Vec<Unfinished>,
     fault: Option<String>,
@@ -75,6 +79,7 @@ impl Editor {
             shortcuts,
             view,
             session: None,
+            background: Vec::new(),
             left,
             fault,
             browser: None,
@@ -130,6 +135,11 @@ impl Editor {
         let wake = ctx.clone();
         let mut session = Session::new(document, self.options.device.clone(), move || wake.request_repaint());
         session.shown = self.view.settings.shown;
+        self.background.extend(self.session.as_mut().and_then(Session::take_run));
+        let path = session.document().path().to_owned();
+        if let Some(run) = self.background.extract_if(.., |run| is_same_file(&run.shot, &path)).next() {
+            session.resume_run(run);
+        }
         self.session = Some(session);
     }
 
@@ -152,13 +162,13 @@ impl Editor {
                 ctx.request_repaint_after(std::time::Duration::from_secs_f64(secs));
             }
         }
+        self.follow_background();
         self.look_at_disk();
         self.tell_journal();
         if let Some(session) = self.session.as_mut().filter(|_| ctx.input(|input| input.pointer.any_pressed())) {
             // Each drag of a number is undone separately.
             session.document_mut().end_series();
         }
-        // A key that is being bound triggers nothing.
         let pressed = if self.rebound.is_none() { keys::pressed(&ctx, &self.shortcuts) } else { Vec::new() };
         for action in pressed {
             self.act(&ctx, action, now);
@@ -175,8 +185,11 @@ impl Editor {
                 self.view.see_panels(sizes, is_resized);
                 let central = CentralPanel::no_frame().frame(Frame::NONE);
                 central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
-                nudges::show(&ctx, session);
             }
+        }
+        // A key that is being bound triggers nothing.
+        if self.rebound.is_none() {
+            self.late_keys(&ctx, now);
         }
         self.windows(&ctx);
         self.view.keep(&ctx, self.session.as_ref().map(|session| session.shown));
@@ -188,7 +201,7 @@ impl Editor {
             ui.horizontal(|ui| {
                 let chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
                 if let Some(session) = &self.session {
-                    menus::state(ui, session);
+                    menus::state(ui, session, &self.background);
                 }
                 chosen
             })
@@ -227,13 +240,12 @@ impl Editor {
         self.open(ctx, &shot)
     }
 
-    /// Begins the tour on the first bundled scene, after a question if there is unsaved work in another shot.
+    /// Begins the tour on the first bundled scene, after questions if there is unsaved work or a render of another shot.
     pub(super) fn tour(&mut self, ctx: &egui::Context) {
-        let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
-        if is_dirty && !self.has_tour_scene() {
-            self.questions.unsaved = Some(Deferred::Tour);
-        } else {
+        if self.has_tour_scene() {
             self.begin_tour(ctx);
+        } else {
+            self.leave(ctx, Deferred::Tour);
         }
     }
 
@@ -275,6 +287,7 @@ impl Editor {
             }
         }
         if let Some(session) = &mut self.session {
+            export_window::show(ctx, session);
             dialogs::replace_exported(ctx, session);
         }
         if let Some(browser) = &mut self.browser {
@@ -304,13 +317,14 @@ impl Editor {
         }
     }
 
-    /// Asks about unsaved work before the window closes.
+    /// Asks about unsaved work and what is running before the window closes.
     fn close(&mut self, ctx: &egui::Context) {
         let is_wanted = ctx.input(|input| input.viewport().close_requested());
         let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
-        if is_wanted && is_dirty && !self.may_close {
+        let is_running = self.is_running() || !self.background.is_empty();
+        if is_wanted && (is_dirty || is_running) && !self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.questions.unsaved = Some(Deferred::Quit);
+            self.leave(ctx, Deferred::Quit);
         }
     }
 }

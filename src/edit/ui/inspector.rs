@@ -1,5 +1,6 @@
 //! The inspector: values of the selected pin, and the report of the frame.
 
+use super::handle_panel;
 use super::icons;
 use super::name_field::NameField;
 use super::number_field::NumberField;
@@ -33,6 +34,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
                 });
             }
         }
+        handle_panel::show(ui, session);
         ui.add_space(14.0);
         report(ui, session);
     });

@@ -29,7 +29,7 @@ pub(super) fn show(ctx: &egui::Context, mut chords: Chords, file: &Path) -> bool
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = 26.0;
-            for groups in [["File", "Edit", "Help"], ["Time", "Hold", ""], ["View", "", ""]] {
+            for groups in [["File", "Edit", "Help"], ["Time", "Hold", "Nudge"], ["View", "", ""]] {
                 ui.vertical(|ui| groups.iter().for_each(|group| key_group(ui, &mut chords, group)));
             }
         });
@@ -38,7 +38,7 @@ pub(super) fn show(ctx: &egui::Context, mut chords: Chords, file: &Path) -> bool
         if !fault.is_empty() {
             ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));
         }
-        ui.weak("Arrow keys nudge what is chosen by a pixel, with Shift by ten. Alt and a click: the pin takes its surroundings along.");
+        ui.weak("Alt and a click: the pin takes its surroundings along. Arrow keys belong to rows and curves of keys while these have the focus.");
         ui.weak(format!("Click a key to bind another one, which is kept in {}", file.display()));
     });
     let is_left = ctx.input(|input| input.key_pressed(Key::Escape)) && !was_waiting;

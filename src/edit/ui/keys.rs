@@ -1,7 +1,7 @@
 //! Maps the chords of [`Shortcuts`] to the toolkit's key events.
 
 use crate::edit::{Action, Chord, Shortcuts};
-use eframe::egui::{self, Key, Modifiers};
+use eframe::egui::{self, InputState, Key, Modifiers};
 
 fn modifiers(chord: &Chord) -> Modifiers {
     let none = Modifiers::NONE;
@@ -44,33 +44,40 @@ pub(super) fn are_taken(ctx: &egui::Context) -> bool {
     ctx.text_edit_focused() || ctx.memory(|memory| memory.top_modal_layer().is_some())
 }
 
-/// Returns the actions whose keys were pressed; none while keys are taken.
+/// Returns whether a chord has an arrow key. Widgets with keyboard focus use these themselves.
+fn has_arrow(chord: &Chord) -> bool {
+    matches!(key(chord), Some(Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown))
+}
+
+/// Takes the chords of actions out of the input; returns the actions, nudges as often as they were pressed.
+fn taken(input: &mut InputState, shortcuts: &Shortcuts, mut actions: Vec<Action>) -> Vec<Action> {
+    // Chords with more modifiers come first, so that Ctrl+Shift+Z does not match Ctrl+Z.
+    let count = |action: &Action| {
+        shortcuts.of(*action).map_or(0, |chord| u8::from(chord.command) + u8::from(chord.shift) + u8::from(chord.alt))
+    };
+    actions.sort_by_key(|action| std::cmp::Reverse(count(action)));
+    let mut found = Vec::new();
+    for action in actions {
+        let Some((key, chord)) = shortcuts.of(action).and_then(|chord| Some((key(chord)?, chord))) else {
+            continue;
+        };
+        let count = input.count_and_consume_key(modifiers(chord), key);
+        let count = if action.nudge().is_some() { count } else { count.min(1) };
+        found.extend(std::iter::repeat_n(action, count));
+    }
+    found
+}
+
+/// Returns the actions whose keys were pressed, except arrow keys; none while keys are taken.
 pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action> {
     if are_taken(ctx) {
         return Vec::new();
     }
-    let is_held_kind = |action: Action| action.group() == "Hold";
-    let mut found = Vec::new();
-    let is_left_to_button = |action: Action| shortcuts.of(action).is_some_and(|chord| presses_button(ctx, chord));
-    let left: Vec<Action> = Action::ALL.iter().copied().filter(|action| is_left_to_button(*action)).collect();
+    let is_left = |chord: &Chord| presses_button(ctx, chord) || has_arrow(chord);
+    let is_taken = |action: &Action| action.group() != "Hold" && !shortcuts.of(*action).is_some_and(is_left);
+    let actions = Action::ALL.iter().copied().filter(is_taken).collect();
     ctx.input_mut(|input| {
-        // Chords with more modifiers come first, so that Ctrl+Shift+Z does not match Ctrl+Z.
-        let mut actions: Vec<Action> =
-            Action::ALL.iter().copied().filter(|action| !is_held_kind(*action) && !left.contains(action)).collect();
-        let count = |action: &Action| {
-            shortcuts
-                .of(*action)
-                .map_or(0, |chord| u8::from(chord.command) + u8::from(chord.shift) + u8::from(chord.alt))
-        };
-        actions.sort_by_key(|action| std::cmp::Reverse(count(action)));
-        for action in actions {
-            let Some((key, chord)) = shortcuts.of(action).and_then(|chord| Some((key(chord)?, chord))) else {
-                continue;
-            };
-            if input.consume_key(modifiers(chord), key) {
-                found.push(action);
-            }
-        }
+        let mut found = taken(input, shortcuts, actions);
         input.events.retain(|event| match clipboard_chord(event) {
             Some(chord) => {
                 found.extend(shortcuts.action_of(&chord));
@@ -78,8 +85,22 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
             }
             None => true,
         });
-    });
-    found
+        found
+    })
+}
+
+/// Returns the actions whose arrow keys were pressed and taken by no widget; none while keys are taken. `can_nudge`: whether
+/// something is selected; else the keys of nudges move the focus.
+pub(super) fn pressed_arrows(ctx: &egui::Context, shortcuts: &Shortcuts, can_nudge: bool) -> Vec<Action> {
+    if are_taken(ctx) {
+        return Vec::new();
+    }
+    let is_taken = |action: &Action| {
+        let can_act = action.group() != "Hold" && (can_nudge || action.nudge().is_none());
+        can_act && shortcuts.of(*action).is_some_and(has_arrow)
+    };
+    let actions = Action::ALL.iter().copied().filter(is_taken).collect();
+    ctx.input_mut(|input| taken(input, shortcuts, actions))
 }
 
 /// Returns whether the key of an action is held.

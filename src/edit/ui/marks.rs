@@ -22,6 +22,9 @@ const WIDE: f32 = 36.0;
 /// Opacity of the filled distortion.
 const HEAT: f32 = 0.55;
 
+/// Width in points of lines that show their distortion.
+const HEATED_LINE: f32 = 2.0;
+
 /// Draws the overlays of a picture.
 pub(super) struct Over<'a> {
     pub(super) session: &'a Session,
@@ -54,10 +57,14 @@ impl Over<'_> {
             .chain(marks.iter().filter(|marks| marks.layer == chosen));
         let ordered: Vec<&LayerMarks> = ordered.collect();
         for marks in &ordered {
-            if shown.distortion && marks.layer == chosen {
-                self.distortion(marks);
+            // Lines in the scene have the colours of their distortion themselves.
+            let (is_heated, is_in_scene) = (shown.distortion && marks.layer == chosen, marks.rest_box.is_none());
+            match is_in_scene {
+                _ if !is_heated => {}
+                true => self.distorted_lines(marks),
+                false => self.distortion(marks),
             }
-            if shown.lattice {
+            if shown.lattice && !(is_heated && is_in_scene) {
                 self.lattice(marks, marks.layer == chosen);
             }
             if shown.folds {
@@ -118,6 +125,28 @@ impl Over<'_> {
         }
     }
 
+    /// Draws the lines of a lattice in the scene in the colours of the distortion at their points.
+    fn distorted_lines(&self, marks: &LayerMarks) {
+        let mut mesh = Mesh::default();
+        for (line, stretches) in marks.lines.iter().zip(&marks.distortion) {
+            let points: Vec<(Pos2, Color32)> =
+                line.iter().zip(stretches).map(|(&point, &stretch)| (self.at(point), heat(stretch))).collect();
+            for ends in points.windows(2) {
+                let side = 0.5 * HEATED_LINE * (ends[1].0 - ends[0].0).normalized().rot90();
+                let first = mesh.vertices.len() as u32;
+                for (place, color) in ends {
+                    mesh.colored_vertex(*place - side, *color);
+                    mesh.colored_vertex(*place + side, *color);
+                }
+                mesh.add_triangle(first, first + 1, first + 2);
+                mesh.add_triangle(first + 1, first + 3, first + 2);
+            }
+        }
+        if !mesh.is_empty() {
+            self.painter.add(Shape::mesh(mesh));
+        }
+    }
+
     /// Returns the spacing of a screen-space lattice's lines in points.
     fn line_spacing(&self, marks: &LayerMarks) -> f32 {
         let Some(rest) = marks.rest_box else { return WIDE };
@@ -139,12 +168,9 @@ impl Over<'_> {
     }
 
     fn handles(&self, marks: &LayerMarks) {
-        let layer = self.session.document().shot().layers.get(marks.layer);
-        let [columns, rows, _] = layer.map_or([1; 3], |layer| layer.space.dims());
-        for (number, handle) in marks.handles.iter().enumerate() {
-            let Some(place) = handle.map(|handle| self.at(handle)) else { continue };
-            let index = [number % columns, number / columns % rows, number / columns / rows];
-            let is_chosen = self.session.selection.handles.contains(&(marks.layer, index));
+        for (handle, place) in self.session.handles_in_view(marks) {
+            let place = self.at(place);
+            let is_chosen = self.session.selection.handles.contains(&handle);
             let color = if is_chosen { over::CHOSEN } else { over::HANDLE };
             let half = if is_chosen { 4.0 } else { 3.0 };
             self.painter.rect_filled(

@@ -1,11 +1,12 @@
 //! The menu bar with the file's name and status, and the hint line.
 
+use super::icons::{self, Icon};
 use super::keys::words;
 use super::references;
-use crate::edit::{Action, EXPORTS, Onion, RunState, Session, Shortcuts, Wipe};
+use crate::edit::{Action, EXPORTS, Onion, RenderRun, Session, Shortcuts, Wipe};
 use eframe::egui::containers::menu::MenuConfig;
 use eframe::egui::widgets::color_picker;
-use eframe::egui::{self, Button, Color32, PopupCloseBehavior, RichText, ThemePreference, Ui};
+use eframe::egui::{self, Button, Color32, PopupCloseBehavior, ProgressBar, RichText, ThemePreference, Ui};
 
 /// The default hint: the basic operations in one line.
 const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
@@ -127,10 +128,9 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
 /// Shows the export formats.
 fn exports(ui: &mut Ui, session: &mut Session) {
     ui.menu_button("Export", |ui| {
-        for (format, name) in EXPORTS {
-            if ui.button(name).clicked() {
-                let wake = ui.ctx().clone();
-                session.export(format, false, move || wake.request_repaint());
+        for format in &EXPORTS {
+            if ui.button(format.name).clicked() {
+                session.order_export(format);
                 ui.close();
             }
         }
@@ -177,24 +177,32 @@ fn theme(ui: &mut Ui) {
     });
 }
 
-/// Shows the file's name in the middle of the bar, and the progress at its right end.
-pub(super) fn state(ui: &mut Ui, session: &Session) {
+/// Shows the file's name in the middle of the bar, and at its right end the progress, that of renders of other shots, too.
+pub(super) fn state(ui: &mut Ui, session: &Session, background: &[RenderRun]) {
     let name = session.document().path().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let sign = if session.document().is_dirty() { "not saved" } else { "" };
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_space(6.0);
         if let Some(part) = session.progress() {
-            ui.add(egui::ProgressBar::new(part as f32).desired_width(110.0).text("over time"));
+            ui.add(ProgressBar::new(part as f32).desired_width(110.0).text("over time"));
         }
-        if let Some(run) = session.run().filter(|run| run.state == RunState::Running) {
-            let part = run.done as f32 / run.frames.max(1) as f32;
-            ui.add(
-                egui::ProgressBar::new(part).desired_width(110.0).text(format!("frame {} / {}", run.done, run.frames)),
-            );
+        for run in background {
+            let name = run.shot.file_name().unwrap_or_default().to_string_lossy();
+            if icons::button(ui, Icon::Minus, &format!("Cancel the render of {name}")).clicked() {
+                run.cancel();
+            }
+            ui.add(progress(run)).on_hover_text(format!("Rendering {}", run.shot.display()));
         }
+        session.run().filter(|run| run.is_running()).into_iter().for_each(|run| _ = ui.add(progress(run)));
         ui.weak(sign);
         ui.label(RichText::new(name).strong());
     });
+}
+
+/// Returns the progress of a render.
+fn progress(run: &RenderRun) -> ProgressBar {
+    let part = run.done as f32 / run.frames.max(1) as f32;
+    ProgressBar::new(part).desired_width(110.0).text(format!("frame {} / {}", run.done, run.frames))
 }
 
 /// Shows the bottom line: the message of the last action, or a hint.

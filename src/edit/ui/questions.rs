@@ -1,10 +1,10 @@
-//! Questions before something is lost: unsaved work, files that would be overwritten, work of a killed editor.
+//! Questions before something is lost: unsaved work, renders that run, files that would be overwritten, work of a killed editor.
 //!
 //! In: what is to be decided. Out: the user's decision, carried out.
 
 use super::dialogs::{Answer, ask};
 use super::editor::{Deferred, Editor};
-use crate::edit::{DiskChange, Document, EditError, forget, unfinished};
+use crate::edit::{DiskChange, Document, EditError, RunState, Session, forget, unfinished};
 use crate::files::is_same_file;
 use crate::spelling::pluralised;
 use eframe::egui;
@@ -17,6 +17,80 @@ impl Editor {
         self.ask_overwrite(ctx);
         self.ask_conflict(ctx);
         self.ask_unsaved(ctx);
+        self.ask_running(ctx);
+    }
+
+    /// Does what leaves the open shot, after questions about unsaved work and what is running.
+    pub(super) fn leave(&mut self, ctx: &egui::Context, deferred: Deferred) {
+        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
+            self.questions.unsaved = Some(deferred);
+        } else {
+            self.leave_running(ctx, deferred);
+        }
+    }
+
+    /// Does what leaves the open shot, after a question if something is running.
+    fn leave_running(&mut self, ctx: &egui::Context, deferred: Deferred) {
+        if self.is_running() || deferred == Deferred::Quit && !self.background.is_empty() {
+            self.questions.running = Some(deferred);
+        } else {
+            self.carry_out(ctx, deferred);
+        }
+    }
+
+    /// Returns whether the open shot is rendered or exported.
+    pub(super) fn is_running(&self) -> bool {
+        self.session.as_ref().is_some_and(|session| session.is_rendering() || session.is_exporting())
+    }
+
+    fn carry_out(&mut self, ctx: &egui::Context, deferred: Deferred) {
+        match deferred {
+            Deferred::Open(files) => self.open_files(ctx, files),
+            Deferred::Tour => self.begin_tour(ctx),
+            Deferred::Quit => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+    }
+
+    fn ask_running(&mut self, ctx: &egui::Context) {
+        let Some(deferred) = self.questions.running.clone() else { return };
+        let is_exporting = self.session.as_ref().is_some_and(Session::is_exporting);
+        let (title, words) = match (&deferred, is_exporting) {
+            (Deferred::Quit, _) => {
+                ("Stop what is running?", "Renders and exports end with the editor. Frames that are finished stay.")
+            }
+            (_, true) => ("Cancel the export?", "It cannot go on without its shot. Files that are finished stay."),
+            (_, false) => (
+                "Keep rendering?",
+                "The shot is being rendered. It can go on in the background; the bar shows its progress.",
+            ),
+        };
+        let answers = match (&deferred, is_exporting) {
+            (Deferred::Quit, _) => ["", "Stop and quit", "Cancel"],
+            (_, true) => ["", "Cancel the export", "Stay here"],
+            (_, false) => ["Keep rendering", "Cancel the render", "Stay here"],
+        };
+        let Some(answer) = ask(ctx, (title, words), answers) else { return };
+        self.questions.running = None;
+        if answer == Answer::Cancel {
+            return;
+        }
+        if let Some(session) = self.session.as_ref().filter(|_| answer == Answer::Second) {
+            session.cancel_export();
+            session.cancel_render();
+        }
+        self.carry_out(ctx, deferred);
+    }
+
+    /// Follows the renders of shots that are not open any more, and tells how they ended.
+    pub(super) fn follow_background(&mut self) {
+        self.background.iter_mut().for_each(|run| _ = run.pump());
+        for run in self.background.extract_if(.., |run| !run.is_running()) {
+            let (RunState::Ended(words), Some(session)) = (&run.state, &mut self.session) else { continue };
+            session.say(format!("{}: {words}", run.shot.display()));
+        }
     }
 
     /// Looks for work of killed editors, and asks about that on a shot.
@@ -149,14 +223,7 @@ impl Editor {
         if answer == Answer::Cancel {
             return;
         }
-        match deferred {
-            Deferred::Open(files) => self.open_files(ctx, files),
-            Deferred::Tour => self.begin_tour(ctx),
-            Deferred::Quit => {
-                self.may_close = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-        }
+        self.leave_running(ctx, deferred);
     }
 
     /// Tells what is wrong with the journal.

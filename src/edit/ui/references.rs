@@ -3,9 +3,13 @@
 //! In: a [`Session`]. Out: changed settings; pictures with rectangles to draw.
 
 use super::accessible::Accessible;
-use crate::edit::{Lens, Picture, Session};
-use eframe::egui::{Color32, DragValue, Rect, ScrollArea, Slider, Ui, vec2};
+use crate::edit::{Lens, Picture, Reference, Session};
+use eframe::egui::{Color32, Context, DragValue, Rect, ScrollArea, Slider, Ui, vec2};
 use std::sync::Arc;
+use std::time::Duration;
+
+/// Time after which pictures that are being decoded are asked for again.
+const POLL: Duration = Duration::from_millis(15);
 
 /// Shows the submenu of the reference pictures, if there are any, the uppermost first.
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
@@ -60,7 +64,7 @@ pub(super) struct Laid {
 }
 
 /// Returns the reference pictures of the current frame, from the bottom to the top; `None` where a sequence lacks it.
-pub(super) fn laid(session: &mut Session, frame: Rect, lens: &Lens) -> Vec<Option<Laid>> {
+pub(super) fn laid(ctx: &Context, session: &mut Session, (frame, lens): (Rect, &Lens)) -> Vec<Option<Laid>> {
     let (number, lines) = (session.playhead.frame(), lens.frame_height() as f32);
     let laid = session.references.iter_mut().map(|reference| {
         let picture = reference.at(number)?;
@@ -75,5 +79,11 @@ pub(super) fn laid(session: &mut Session, frame: Rect, lens: &Lens) -> Vec<Optio
             is_above: reference.is_above,
         })
     });
-    laid.collect()
+    let laid = laid.collect();
+    let faults: Vec<String> = session.references.iter_mut().filter_map(Reference::take_fault).collect();
+    faults.into_iter().for_each(|fault| session.say(fault));
+    if session.references.iter().any(Reference::is_pending) {
+        ctx.request_repaint_after(POLL);
+    }
+    laid
 }

@@ -209,7 +209,7 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     painter.rect_filled(frame, 0, theme::backdrop(ui.visuals()));
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
     let draw = |id: egui::TextureId, tint: Color32| _ = painter.image(id, frame, whole, tint);
-    let references = references::laid(session, frame, &lens);
+    let references = references::laid(ui.ctx(), session, (frame, &lens));
     let onions = onion::onions(session);
     let draw_onions = |textures: &mut Textures| {
         onions.iter().for_each(|(picture, color)| draw(textures.of_frame(ui.ctx(), picture), *color));

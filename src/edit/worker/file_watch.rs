@@ -1,9 +1,9 @@
 //! Detects changes of a shot's files on disk, by polling modification times while idle.
 
+use super::plate_watch::{PlateWatch, stamp};
 use crate::pipeline::OpenShot;
 use crate::shot::Shot;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::SystemTime;
 
 /// Files and their modification times.
@@ -11,19 +11,18 @@ use std::time::SystemTime;
 pub(super) struct FileWatch {
     shot: PathBuf,
     stamps: Vec<(PathBuf, Option<SystemTime>)>,
+    plate: PlateWatch,
 }
 
 /// The changed files.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Changed {
     /// Whether the shot file changed.
     pub(super) shot: bool,
     /// Whether a scene, picture or mask changed.
     pub(super) scene: bool,
-}
-
-fn stamp(path: &Path) -> Option<SystemTime> {
-    fs::metadata(path).and_then(|data| data.modified()).ok()
+    /// First and last frames, the last ones included, whose plates changed.
+    pub(super) plates: Vec<[i32; 2]>,
 }
 
 impl FileWatch {
@@ -31,14 +30,22 @@ impl FileWatch {
     pub(super) fn of(open: &OpenShot) -> Self {
         let shot = open.given();
         let paths = std::iter::once(&shot.path).chain(shot.files()).chain(&open.prepared().scene.files_beside);
-        Self { shot: shot.path.clone(), stamps: paths.map(|path| (path.clone(), stamp(path))).collect() }
+        let stamps = paths.map(|path| (path.clone(), stamp(path))).collect();
+        Self { shot: shot.path.clone(), stamps, plate: PlateWatch::of(shot) }
+    }
+
+    /// Watches the plate of an edited shot, which may have other frames.
+    pub(super) fn follow_plate(&mut self, open: &OpenShot) {
+        if !self.plate.is_of(open.given()) {
+            self.plate = PlateWatch::of(open.given());
+        }
     }
 
     /// Watches the files that a shot names, too, even if they cannot be loaded. Returns whether another shot was watched before.
     pub(super) fn add(&mut self, shot: &Shot) -> bool {
         let is_other = self.shot != shot.path;
         if is_other {
-            *self = Self { shot: shot.path.clone(), stamps: Vec::new() };
+            *self = Self { shot: shot.path.clone(), stamps: Vec::new(), plate: PlateWatch::of(shot) };
         }
         for path in std::iter::once(&shot.path).chain(shot.files()) {
             if self.stamps.iter().all(|(known, _)| known != path) {
@@ -51,7 +58,7 @@ impl FileWatch {
     /// Returns what changed since the last call; a shot file that was removed has changed. Other missing files are
     /// ignored: either they are being written, or using them will report the error.
     pub(super) fn look(&mut self) -> Changed {
-        let mut changed = Changed::default();
+        let mut changed = Changed { plates: self.plate.look(), ..Changed::default() };
         for (path, known) in &mut self.stamps {
             let now = stamp(path);
             let is_shot = *path == self.shot;
@@ -67,6 +74,7 @@ impl FileWatch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_removed_shot_file_has_changed_and_a_removed_scene_has_not() {
@@ -76,14 +84,14 @@ mod tests {
             fs::write(path, "").expect("written");
         }
         let stamps = paths.iter().map(|path| (path.clone(), stamp(path))).collect();
-        let mut watch = FileWatch { shot: paths[0].clone(), stamps };
+        let mut watch = FileWatch { shot: paths[0].clone(), stamps, plate: PlateWatch::default() };
         assert_eq!(watch.look(), Changed::default());
         for path in &paths {
             fs::remove_file(path).expect("there");
         }
-        assert_eq!(watch.look(), Changed { shot: true, scene: false });
+        assert_eq!(watch.look(), Changed { shot: true, ..Changed::default() });
         assert_eq!(watch.look(), Changed::default(), "it is told once");
         fs::write(&paths[0], "").expect("written");
-        assert_eq!(watch.look(), Changed { shot: true, scene: false });
+        assert_eq!(watch.look(), Changed { shot: true, ..Changed::default() });
     }
 }

@@ -83,9 +83,10 @@ impl FrameWorker {
             match next(inbox, &mut self.open) {
                 Task::Over => return,
                 Task::Watch => {
-                    let Changed { shot, scene } = self.watch.look();
+                    let Changed { shot, scene, plates } = self.watch.look();
                     shot.then(|| sender.send(Reply::ShotWritten));
                     scene.then(|| sender.send(Reply::SceneWritten));
+                    (!plates.is_empty()).then(|| sender.send(Reply::PlatesWritten(plates)));
                 }
                 Task::Answer(question) => sender.send(self.answer(question)),
                 Task::Job(mut job, serial) => {
@@ -159,6 +160,7 @@ impl FrameWorker {
         if rework == Rework::Scene || is_other {
             self.watch = FileWatch::of(open);
         }
+        self.watch.follow_plate(open);
         if rework >= Rework::Pins {
             sender.send(Reply::Loaded(Arc::new(self.facts(open))));
         }

@@ -88,6 +88,8 @@ pub(in crate::edit) enum Reply {
     ShotWritten,
     /// The scene or a picture was written by another program.
     SceneWritten,
+    /// The plates of these frames, from first to last, were written by another program.
+    PlatesWritten(Vec<[i32; 2]>),
 }
 
 /// Information about a loaded shot.

@@ -9,6 +9,7 @@ mod file_watch;
 mod frame_worker;
 mod handle;
 mod mail;
+mod plate_watch;
 
 pub(in crate::edit) use handle::Worker;
 pub(crate) use mail::Loaded;

@@ -2,19 +2,19 @@
 //!
 //! In: a solved [`TimeSample`]. Out: points of the screen, grouped by layer.
 
+use super::folded_model_cells::folded_model_cells;
+use super::scene_lines::{PIECES, faces, in_view, lines};
 use crate::lattice::{Grid, SceneLattice, ScreenLattice};
 use crate::pipeline::evaluate::lattice_box::{screen_box, world_grid};
 use crate::pipeline::evaluate::layer_pins::region;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
-use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
+use crate::pipeline::evaluate::world_layer::WorldLayer;
+use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample, WorldSolution};
 use crate::screen::Camera;
 use crate::shot::{Goal, LayerSpace, OffsetUnit, PinKey, Rotation};
-use crate::solve::{Shape, Solution, active_cells};
+use crate::solve::{Shape, Solution};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec2, DVec3};
-
-/// Line segments per cell and line of the lattice.
-const PIECES: usize = 4;
 
 /// Line segments of the rim of a region.
 const RIM_PIECES: usize = 48;
@@ -28,7 +28,7 @@ pub struct LayerMarks {
     pub lines: Vec<Vec<ScreenPoint>>,
     /// Warped handles; `None` if behind the camera.
     pub handles: Vec<Option<ScreenPoint>>,
-    /// Outlines of folded cells that contain part of the model.
+    /// Outlines of folded cells that contain part of the model; in the scene those of the faces around them.
     pub folded: Vec<Vec<ScreenPoint>>,
     /// World layers, one per handle: how its offset, in sizes of the box, changes for a frame height to the right and one up on
     /// the screen, at constant depth.
@@ -70,7 +70,10 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
                 let folded = folded_outlines(solution, || screen_shape(prepared, sample, layer));
                 of_screen(marks, &solution.lattice, folded)
             }
-            (None, Some(world)) => of_scene(marks, &world.lattice, &sample.camera),
+            (None, Some(world)) => {
+                let folded = folded_faces(prepared, sample, (layer, world));
+                LayerMarks { folded, ..of_scene(marks, &world.lattice, &sample.camera) }
+            }
             (None, None) => return None,
         };
         let lattice = state.solution.as_ref().map(|solution| &solution.lattice);
@@ -183,16 +186,29 @@ fn cell_outline(lattice: &ScreenLattice, cell: [usize; 2]) -> Vec<ScreenPoint> {
     rim.map(|[u, v]: [f64; 2]| lattice.warp(point_from_cells(lattice, [x + u, y + v]))).collect()
 }
 
-/// Returns the folded cells that contain part of the model. The shape is computed only if any cell folds.
-fn folded_model_cells(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<[usize; 2]> {
-    let folded = lattice.folded_cells();
-    if folded.is_empty() {
-        return folded;
+/// Returns the warped outlines of the faces around the cells in which the model folds.
+fn folded_faces(
+    prepared: &PreparedShot,
+    sample: &TimeSample,
+    (layer, world): (usize, &WorldSolution),
+) -> Vec<Vec<ScreenPoint>> {
+    if world.report.folded_model_cells == 0 {
+        return Vec::new();
     }
-    let is_active = active_cells(&lattice.grid, &shape());
-    let (margin, columns) = (lattice.grid.basis.margin(), lattice.grid.basis.spans(lattice.grid.dims[0]));
-    let holds = |[i, j]: &[usize; 2]| is_active.get((j - margin) * columns + i - margin).copied().unwrap_or(false);
-    folded.into_iter().filter(holds).collect()
+    let camera = &sample.camera;
+    let Some(branches) = &world.branches else {
+        let shape = || {
+            // The pose of the sample is deformed already.
+            let (pose, camera) = prepared.view_of_positions(sample.frame);
+            WorldLayer::at(prepared, layer, sample.frame, (&pose, &camera)).map(|own| own.shape()).unwrap_or_default()
+        };
+        return faces(&world.lattice, &folded_model_cells(&world.lattice.lattice, shape), camera);
+    };
+    let of_branch = |branch: usize| {
+        let placed = SceneLattice { frame: world.lattice.frame, lattice: branches.lattice(branch) };
+        faces(&placed, &branches.folds_of(branch).cells, camera)
+    };
+    (0..branches.branch_count()).flat_map(of_branch).collect()
 }
 
 /// Returns the ratio of the warp gradient's singular values, largest to smallest; 1 where there is no distortion.
@@ -206,30 +222,11 @@ fn stretch(lattice: &ScreenLattice, point: ScreenPoint) -> f64 {
 
 fn of_scene(marks: LayerMarks, placed: &SceneLattice, camera: &Camera) -> LayerMarks {
     let SceneLattice { frame, lattice } = placed;
-    let grid = &lattice.grid;
-    let spans = grid.dims.map(|count| grid.basis.spans(count));
-    let seen = |point: DVec3| {
-        let place = camera.project_exact(point);
-        (place.w > 0.0 && place.depth >= camera.near()).then(|| place.point())
-    };
-    let mut lines = Vec::new();
-    for axis in 0..3 {
-        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-        for line in 0..(spans[u] + 1) * (spans[v] + 1) {
-            let along = |k: usize| {
-                let mut cells = [0.0; 3];
-                cells[axis] = k as f64 / PIECES as f64;
-                cells[u] = (line % (spans[u] + 1)) as f64;
-                cells[v] = (line / (spans[u] + 1)) as f64;
-                let at = grid.point_from_unit(std::array::from_fn(|a| cells[a] / spans[a] as f64));
-                seen(placed.warp(frame.scene_from_box(DVec3::from_array(at))))
-            };
-            lines.push((0..=spans[axis] * PIECES).map_while(along).collect());
-        }
-    }
+    let (lines, distortion) = lines(placed, camera);
     let places = || lattice.handles.iter().map(|&handle| frame.scene_from_box(handle.into()));
     let handle_steps = places().map(|place| in_box(placed, steps(camera, place))).collect();
-    LayerMarks { lines, handles: places().map(seen).collect(), handle_steps, ..marks }
+    let handles = places().map(|place| in_view(camera, place)).collect();
+    LayerMarks { lines, distortion, handles, handle_steps, ..marks }
 }
 
 /// Returns the displacements of a point of the scene, metres, that move it by a frame height to the right and up at constant depth.

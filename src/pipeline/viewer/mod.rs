@@ -3,11 +3,13 @@
 //! In: a shot in memory. Out: what a window shows of it.
 
 pub(super) mod brush_point;
+mod folded_model_cells;
 pub(super) mod layer_marks;
 pub(super) mod new_shot;
 pub(super) mod open_shot;
 pub(super) mod picked_point;
 pub(super) mod problem_shot;
+mod scene_lines;
 pub(super) mod stiff_triangles;
 pub(super) mod still;
 #[cfg(feature = "editor")]
