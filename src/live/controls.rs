@@ -33,8 +33,7 @@ pub struct Controls {
     pub dims: [usize; 2],
     /// Basis functions of the lattice.
     pub basis: Basis,
-    /// Smoothness, 0.1 to 10; the default is 1. Its cube scales the weight of the regulariser
-    /// ([`Settings::with_smoothness`](crate::solve::Settings::with_smoothness)): larger values spread the pull of a pin more evenly over
+    /// Smoothness, 0.1 to 10; the default is 1. Its cube scales the weight of the regulariser: larger values spread the pull of a pin more evenly over
     /// the shape. The default weight is small compared with the distortion, so values below 1 change little.
     pub smoothness: f64,
     /// Scales offsets, rotations and the logarithms of scales; 0 disables the warp.
