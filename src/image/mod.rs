@@ -59,7 +59,7 @@ pub(crate) use guard::{Inputs, is_there};
 pub(crate) use kept::read_whole;
 pub(crate) use kept::{Depth, Expected, StaleReason, check_kept};
 pub(crate) use kind::{FileKind, PictureKind};
-pub(crate) use label_map::{LabelMap, NO_LABEL, neighbours};
+pub(crate) use label_map::{CHOSEN, LabelMap, NO_LABEL, OTHER, neighbours};
 pub(crate) use mask::{PaintedMap, are_of_one_shape};
 pub use metadata::{CameraMatrices, FrameMetadata};
 pub(crate) use picture::read_numbers;

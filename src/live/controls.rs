@@ -3,15 +3,12 @@
 //! Plain data in frame heights, y up, origin at the lower left of the display window, as in shot files.
 
 use super::LiveError;
-use crate::lattice::Basis;
+use crate::lattice::{Basis, MAX_HANDLES};
 use crate::solve::Guard;
 use crate::space::ScreenPoint;
 
 /// Largest smoothness, and the reciprocal of the smallest.
 const MAX_SMOOTHNESS: f64 = 10.0;
-
-/// Maximum number of handles per axis.
-const MAX_HANDLES: usize = 64;
 
 /// Coordinates beyond this many frame heights are assumed to be in pixels by mistake.
 const FURTHEST: f64 = 1000.0;
