@@ -168,14 +168,7 @@ impl<const D: usize> Knot<D> {
     /// Same as [`Self::start_from`], returned as the result of a solve.
     pub(crate) fn at(&mut self, state: &Displacement<D>) -> MinimizationResult<D> {
         self.start_from(state);
-        MinimizationResult {
-            handles: self.handles(),
-            iterations: 0,
-            is_converged: true,
-            has_given_way: false,
-            is_minimum: None,
-            energy: None,
-        }
+        MinimizationResult::of(self.handles(), 0, true)
     }
 
     /// Sets the state to rest, where all pins and handles are at rest.
