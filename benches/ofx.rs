@@ -7,9 +7,9 @@
 mod host;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use host::api::names::image;
 use host::profile::NATRON;
 use host::{Depth, Frame, Host, Node, Pixels, Which, feed};
-use pinwarp::ofx::api::names::image;
 use std::time::Duration;
 
 fn pull(host: &Host, node: Node, nudge: f64) {

@@ -27,7 +27,7 @@ static RELEASED: Condvar = Condvar::new();
 
 /// A memory limit as written by users: `8G`, `512M`, `50%`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MemoryLimit {
+pub(crate) enum MemoryLimit {
     /// An absolute limit in bytes.
     Bytes(u64),
     /// Percent of the memory of the system, or of the part that its container may use.
@@ -50,7 +50,7 @@ pub(crate) struct Reservation {
 }
 
 /// Sets the limit of this process, which applies from the next check or reservation on.
-pub fn set_limit(limit: MemoryLimit) {
+pub(crate) fn set_limit(limit: MemoryLimit) {
     LIMIT.store(limit.bytes().max(1), Ordering::Relaxed);
 }
 

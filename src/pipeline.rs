@@ -39,10 +39,10 @@ pub use evaluate::time_sample::{LayerState, PinState, ScenePin, TimeSample, Worl
 pub use interchange::bake::BakeTimes;
 pub use interchange::lattice_tracks::lattices;
 pub use interchange::layer_problem::{LayerProblem, layer_problem};
-pub use interchange::registration::{Registration, layer_shape, picture_shape, register};
-pub use plates::{
-    PlateWarp, Silhouette, SurfaceMaps, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames,
-};
+pub(crate) use interchange::registration::layer_shape;
+pub use interchange::registration::{Registration, picture_shape, register};
+pub(crate) use plates::Silhouette;
+pub use plates::{PlateWarp, SurfaceMaps, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
 pub use prepare::anchors::{PinAnchor, RestPoint};
 pub(crate) use prepare::branch_lattices::lattices_of_file;
 pub use prepare::layer_assignment::LayerAssignment;
@@ -60,15 +60,16 @@ pub(crate) use run::resume::{Todo, refuse_existing};
 pub(crate) use run::sequence_report::{LayerPeaks, Peak, SequenceReport};
 #[cfg(feature = "cli")]
 pub(crate) use trajectories::solve_ahead::solve_before_frames;
-pub use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
-pub use trajectories::trajectory_files::Keeping;
-pub use viewer::brush_point::{BrushPoint, PaintedPlace};
-pub use viewer::layer_marks::{LayerMarks, PinMark, layer_marks, resting_marks};
-pub use viewer::new_shot::{NewShot, new_shot, path_between};
+pub(crate) use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
+pub(crate) use trajectories::trajectory_files::Keeping;
+pub(crate) use viewer::brush_point::{BrushPoint, PaintedPlace};
+pub use viewer::layer_marks::{LayerMarks, PinMark};
+pub(crate) use viewer::layer_marks::{layer_marks, resting_marks};
+pub(crate) use viewer::new_shot::{NewShot, new_shot, path_between};
 pub use viewer::open_shot::{OpenShot, Rework};
-pub use viewer::picked_point::PickedPoint;
-pub use viewer::problem_shot::{ProblemShot, problem_shot};
+pub(crate) use viewer::picked_point::PickedPoint;
+pub(crate) use viewer::problem_shot::{ProblemShot, problem_shot};
 pub use viewer::stiff_triangles::StiffTriangle;
-pub use viewer::still::{Device, IsCancelled};
+pub(crate) use viewer::still::Device;
 #[cfg(feature = "editor")]
 pub(crate) use viewer::warped_still::WarpedStill;

@@ -109,7 +109,7 @@ impl ScreenBox {
     }
 
     /// Returns the bounding box of `points`; `None` if there are none.
-    pub fn around(points: impl IntoIterator<Item = ScreenPoint>) -> Option<Self> {
+    pub(crate) fn around(points: impl IntoIterator<Item = ScreenPoint>) -> Option<Self> {
         points.into_iter().map(|point| Self::new(point, point)).reduce(Self::union)
     }
 
@@ -136,7 +136,7 @@ impl ScreenBox {
 
     /// Returns the centre of the box.
     #[must_use]
-    pub fn center(self) -> ScreenPoint {
+    pub(crate) fn center(self) -> ScreenPoint {
         ScreenPoint((self.min.0 + self.max.0) * 0.5)
     }
 }
@@ -176,7 +176,7 @@ impl FrameSize {
 
     /// Scales the frame, rounding each side to whole pixels, at least one.
     #[must_use]
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         let scaled = |length: u32| ((f64::from(length) * factor).round() as u32).max(1);
         Self { width: scaled(self.width), height: scaled(self.height), ..self }
     }

@@ -9,7 +9,7 @@ use crate::spelling::pluralised;
 
 /// The settings for a sequence of maps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DisplacementNote {
+pub(crate) struct DisplacementNote {
     /// File name pattern of the maps: `shot.displacement_37px.####.png`.
     pub maps: String,
     /// Displacement at either end of the value range, in pixels.
@@ -27,7 +27,7 @@ pub struct DisplacementNote {
 impl DisplacementNote {
     /// Returns the text of the note.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let Self { maps, reach_px, size: [width, height], frames: [first, last], rate, state } = self;
         let reach = f64::from(*reach_px);
         let of_file = reach / 32767.0;
@@ -55,7 +55,7 @@ impl DisplacementNote {
 
 /// Returns the largest displacement of any pixel along x or y, in pixels.
 #[must_use]
-pub fn greatest_offset(map: &WarpMap) -> f64 {
+pub(crate) fn greatest_offset(map: &WarpMap) -> f64 {
     map.offsets.iter().flatten().filter(|offset| offset.is_finite()).fold(0.0, |most, by| most.max(f64::from(by.abs())))
 }
 
@@ -64,7 +64,7 @@ pub fn greatest_offset(map: &WarpMap) -> f64 {
 ///
 /// Rows from the top, 3 values per pixel. The step between two values is `reach` / 32767 pixels.
 #[must_use]
-pub fn displacement(map: &WarpMap, reach: f64) -> Vec<u16> {
+pub(crate) fn displacement(map: &WarpMap, reach: f64) -> Vec<u16> {
     let value = |by: f32| {
         let share = if by.is_finite() { f64::from(by) / reach.max(f64::MIN_POSITIVE) } else { 0.0 };
         // 32768 is the midpoint in programs with a range up to 65536.

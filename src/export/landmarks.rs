@@ -11,7 +11,7 @@ use std::path::Path;
 /// Unit of landmark coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum LandmarkUnit {
+pub(crate) enum LandmarkUnit {
     /// Pixels of the respective picture, y DOWN from the upper left corner, as in picture viewers.
     #[default]
     Pixels,
@@ -25,7 +25,7 @@ pub enum LandmarkUnit {
 pub struct Landmarks {
     /// Unit of the coordinates.
     #[serde(default)]
-    pub unit: LandmarkUnit,
+    pub(crate) unit: LandmarkUnit,
     /// At least one pair.
     pub pairs: Vec<Landmark>,
 }

@@ -56,7 +56,7 @@ impl LatticeBranches {
 
     /// Returns the same regions with other lattices, one per branch.
     #[must_use]
-    pub fn with_lattices(&self, lattices: Vec<ScreenLattice>) -> Self {
+    pub(crate) fn with_lattices(&self, lattices: Vec<ScreenLattice>) -> Self {
         let branch = |(lattice, branch): (ScreenLattice, &LatticeBranch)| LatticeBranch {
             handles: lattice.handles.into_iter().map(Some).collect(),
             region: branch.region.clone(),

@@ -102,7 +102,7 @@ impl LatticeFile {
 
     /// Returns only the given frames; `None` if no layer has any of them.
     #[must_use]
-    pub fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
+    pub(crate) fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
         for layer in &mut self.layers {
             match &mut layer.track {
                 Track::Screen(lattices) => lattices.retain(|frame, _| frames.contains(frame)),

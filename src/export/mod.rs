@@ -12,8 +12,9 @@ mod lattice_file;
 pub mod nuke;
 mod raw;
 
-pub use after_effects::{DisplacementNote, displacement, greatest_offset};
+pub(crate) use after_effects::{DisplacementNote, displacement, greatest_offset};
 pub use error::ExportError;
-pub use landmarks::{Landmark, LandmarkUnit, Landmarks};
+pub(crate) use landmarks::LandmarkUnit;
+pub use landmarks::{Landmark, Landmarks};
 pub use lattice_branches::{LatticeBranch, LatticeBranches};
 pub use lattice_file::{LatticeFile, LatticeTrack, Track, lattice_at};

@@ -11,7 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// [`ImageError`] if the file cannot be written or the picture has no pixels.
-pub fn write_codes(
+pub(crate) fn write_codes(
     path: &Path,
     [width, height]: [u32; 2],
     codes: &[u16],

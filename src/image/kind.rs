@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// The type of a file, according to its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileKind {
+pub(crate) enum FileKind {
     /// A picture.
     Picture(PictureKind),
     /// A glTF file.
@@ -22,7 +22,7 @@ pub enum FileKind {
 
 /// Picture formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureKind {
+pub(crate) enum PictureKind {
     /// OpenEXR: parts, layers, floats.
     Exr,
     /// PNG: 8 or 16 bits, straight alpha.
@@ -46,15 +46,8 @@ const ENDINGS: [(&str, FileKind); 9] = [
 
 impl FileKind {
     /// Returns the type by file extension, `None` if the extension is unknown.
-    ///
-    /// ```
-    /// use pinwarp::image::{FileKind, PictureKind};
-    /// use std::path::Path;
-    /// assert_eq!(FileKind::of(Path::new("girl.####.EXR")), Some(FileKind::Picture(PictureKind::Exr)));
-    /// assert_eq!(FileKind::of(Path::new("girl.psd")), None);
-    /// ```
     #[must_use]
-    pub fn of(path: &Path) -> Option<Self> {
+    pub(crate) fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?;
         ENDINGS.iter().find(|(known, _)| ending.eq_ignore_ascii_case(known)).map(|(_, kind)| *kind)
     }
@@ -62,7 +55,7 @@ impl FileKind {
 
 impl PictureKind {
     /// Advice for files that are not pictures.
-    pub const REMEDY: &str = "give a .png, .jpg or .exr file";
+    pub(crate) const REMEDY: &str = "give a .png, .jpg or .exr file";
 
     /// Returns the format by file extension; `None` if it is not a picture.
     #[must_use]
@@ -74,7 +67,7 @@ impl PictureKind {
     ///
     /// # Errors
     /// [`ImageError::Pattern`] with [`Self::REMEDY`] if it is not a picture.
-    pub fn known(path: &Path) -> Result<Self, ImageError> {
+    pub(crate) fn known(path: &Path) -> Result<Self, ImageError> {
         Self::of(path).ok_or_else(|| {
             let what = format!("is not the name of a picture; {}", Self::REMEDY);
             ImageError::Pattern { pattern: path.to_owned(), what }
@@ -100,5 +93,13 @@ mod tests {
     fn what_is_no_picture_is_told_what_to_give() {
         let error = PictureKind::known(Path::new("drawn.psd")).expect_err("no picture").to_string();
         assert_eq!(error, "the path drawn.psd is not the name of a picture; give a .png, .jpg or .exr file");
+    }
+
+    #[test]
+    fn the_type_follows_from_the_extension() {
+        use crate::image::{FileKind, PictureKind};
+        use std::path::Path;
+        assert_eq!(FileKind::of(Path::new("girl.####.EXR")), Some(FileKind::Picture(PictureKind::Exr)));
+        assert_eq!(FileKind::of(Path::new("girl.psd")), None);
     }
 }

@@ -8,6 +8,12 @@ use std::ops::Range;
 /// The label of pixels that belong to nothing.
 pub(crate) const NO_LABEL: u32 = 0;
 
+/// The label of the part that a mask, ids or points choose.
+pub(crate) const CHOSEN: u32 = 1;
+
+/// The label of everything else where there is a choice.
+pub(crate) const OTHER: u32 = 2;
+
 /// Labels over the unit square.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct LabelMap {

@@ -46,7 +46,7 @@ pub use atomic::{Destination, Durability};
 pub(crate) use atomic::{remove_stale, replace_bytes, replace_text};
 pub use channels::{ChannelGroup, ChannelSpec};
 pub(crate) use closed_regions::{ClosedRegions, Drawing, LineRule};
-pub use codes::write_codes;
+pub(crate) use codes::write_codes;
 pub use complete::is_complete;
 #[cfg(feature = "cli")]
 pub(crate) use contact_sheet::ContactSheet;
@@ -60,8 +60,8 @@ pub(crate) use guard::{Inputs, is_there};
 #[cfg(feature = "cli")]
 pub(crate) use kept::read_whole;
 pub(crate) use kept::{Depth, Expected, StaleReason, check_kept};
-pub use kind::{FileKind, PictureKind};
-pub(crate) use label_map::{LabelMap, NO_LABEL, neighbours};
+pub(crate) use kind::{FileKind, PictureKind};
+pub(crate) use label_map::{CHOSEN, LabelMap, NO_LABEL, OTHER, neighbours};
 pub(crate) use mask::{PaintedMap, are_of_one_shape};
 pub use metadata::{CameraMatrices, FrameMetadata};
 pub(crate) use picture::read_numbers;
@@ -73,7 +73,7 @@ pub use plate_read::read_plate;
 pub use plate_write::write_plate;
 pub(crate) use preview::write_frame_preview;
 pub use preview::{Preview, png_bytes, preview, write_png};
-pub use sequence::SequencePath;
+pub(crate) use sequence::SequencePath;
 pub use size::picture_size;
 pub(crate) use size::{PictureExtent, picture_extent};
 

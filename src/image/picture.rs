@@ -245,7 +245,7 @@ fn bytes_of(codes: &[u16]) -> Vec<u8> {
 /// Reads an EXR, PNG or JPEG file, by its extension.
 ///
 /// # Errors
-/// [`ImageError`] as [`super::read_plate`], [`read_picture`] and [`PictureKind::known`].
+/// [`ImageError`] as [`super::read_plate`] and [`read_picture`], and for a name without a known ending.
 pub fn read_any(path: &Path) -> Result<Plate, ImageError> {
     match PictureKind::known(path)? {
         PictureKind::Exr => super::read_plate(path),
@@ -280,7 +280,7 @@ pub fn read_any_head(path: &Path) -> Result<Plate, ImageError> {
 /// Writes an EXR, PNG or JPEG file, by its extension.
 ///
 /// # Errors
-/// [`ImageError`] as [`super::write_plate`], [`write_picture`] and [`PictureKind::known`].
+/// [`ImageError`] as [`super::write_plate`] and [`write_picture`], and for a name without a known ending.
 pub fn write_any<'a>(to: impl Into<Destination<'a>>, plate: &Plate) -> Result<(), ImageError> {
     let to = to.into();
     match PictureKind::known(to.path)? {

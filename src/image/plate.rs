@@ -159,7 +159,7 @@ impl PlatePart {
 
     /// Returns OpenEXR's name of the compression: `zip`.
     #[must_use]
-    pub fn compression(&self) -> String {
+    pub(crate) fn compression(&self) -> String {
         match self.encoding.compression {
             exr::prelude::Compression::Uncompressed => "none".to_owned(),
             exr::prelude::Compression::RLE => "rle".to_owned(),

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// A path with at most one frame counter, in the file name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SequencePath {
+pub(crate) struct SequencePath {
     pattern: PathBuf,
     name: Name,
 }
@@ -33,7 +33,7 @@ impl SequencePath {
     ///
     /// # Errors
     /// [`ImageError::Pattern`] for two counters, for printf forms other than `%d` and `%04d`, and for a missing file name.
-    pub fn parse(pattern: &Path) -> Result<Self, ImageError> {
+    pub(crate) fn parse(pattern: &Path) -> Result<Self, ImageError> {
         let wrong = |what: String| ImageError::Pattern { pattern: shortened(pattern), what };
         let Some(file_name) = pattern.file_name() else {
             return Err(wrong("does not end in a file name; write for example frame.####.exr".into()));
@@ -72,17 +72,8 @@ impl SequencePath {
     }
 
     /// Returns the common name of the frames: the file name without counter, preceding separators and extension.
-    ///
-    /// ```
-    /// use pinwarp::image::SequencePath;
-    /// use std::path::Path;
-    /// for pattern in ["out/frame.%04d.exr", "out/frame.####.exr", "frame.exr"] {
-    ///     assert_eq!(SequencePath::parse(Path::new(pattern))?.stem(), "frame");
-    /// }
-    /// # Ok::<(), pinwarp::image::ImageError>(())
-    /// ```
     #[must_use]
-    pub fn stem(&self) -> String {
+    pub(crate) fn stem(&self) -> String {
         let stem = self.pattern.file_stem().unwrap_or_default().to_string_lossy();
         match &self.name {
             Name::Single => stem.into_owned(),
@@ -312,5 +303,15 @@ mod tests {
         let error = single.check_frame_count(48).expect_err("48 frames in one file").to_string();
         assert!(error.contains("48 frames") && error.contains("still.####.exr"), "{error}");
         assert!(SequencePath::parse(Path::new("a.#.exr")).expect("a counter").check_frame_count(48).is_ok());
+    }
+
+    #[test]
+    fn the_stem_is_the_common_name_of_the_frames() -> Result<(), crate::image::ImageError> {
+        use crate::image::SequencePath;
+        use std::path::Path;
+        for pattern in ["out/frame.%04d.exr", "out/frame.####.exr", "frame.exr"] {
+            assert_eq!(SequencePath::parse(Path::new(pattern))?.stem(), "frame");
+        }
+        Ok(())
     }
 }

@@ -36,7 +36,7 @@ impl<const D: usize> Lattice<D> {
     /// # Panics
     /// If `is_active` has another length.
     #[must_use]
-    pub fn folds(&self, is_active: &[bool]) -> Folds<D> {
+    pub(crate) fn folds(&self, is_active: &[bool]) -> Folds<D> {
         assert_eq!(is_active.len(), self.grid.cell_count(), "one entry a cell");
         let bounds = match self.grid.basis.support() {
             Support::Global => self.probe(),
@@ -83,7 +83,7 @@ impl<const D: usize> Lattice<D> {
 
     /// Returns the folded cells between handles (column, row, ...), 0..dims−1, active or not.
     #[must_use]
-    pub fn folded_cells(&self) -> Vec<[usize; D]> {
+    pub(crate) fn folded_cells(&self) -> Vec<[usize; D]> {
         self.folds(&vec![true; self.grid.cell_count()]).cells
     }
 

@@ -71,7 +71,7 @@ impl Lattice<2> {
     /// Returns the gradient of [`Self::warp`] at a point. Along an axis on which the point lies outside the box, it is
     /// that of the identity.
     #[must_use]
-    pub fn jacobian(&self, point: ScreenPoint) -> DMat2 {
+    pub(crate) fn jacobian(&self, point: ScreenPoint) -> DMat2 {
         // The point before the rotation of the box, and the nearest box point.
         let upright = DVec2::from(self.grid.upright_from_point(point.0.to_array()));
         let inside = upright.clamp(self.grid.lo.into(), self.grid.hi.into());

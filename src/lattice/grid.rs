@@ -69,7 +69,7 @@ impl<const D: usize> Grid<D> {
     ///
     /// # Errors
     /// [`LatticeError`], naming the axis.
-    pub fn check(&self) -> Result<(), LatticeError> {
+    pub(crate) fn check(&self) -> Result<(), LatticeError> {
         let least = self.basis.min_handles();
         for axis in 0..D {
             let found = self.dims[axis];
@@ -98,7 +98,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the number of cells of the box.
     #[must_use]
-    pub fn cell_count(&self) -> usize {
+    pub(crate) fn cell_count(&self) -> usize {
         self.dims.iter().map(|&count| self.basis.spans(count)).product()
     }
 

@@ -3,15 +3,12 @@
 //! Plain data in frame heights, y up, origin at the lower left of the display window, as in shot files.
 
 use super::LiveError;
-use crate::lattice::Basis;
+use crate::lattice::{Basis, MAX_HANDLES};
 use crate::solve::Guard;
 use crate::space::ScreenPoint;
 
 /// Largest smoothness, and the reciprocal of the smallest.
 const MAX_SMOOTHNESS: f64 = 10.0;
-
-/// Maximum number of handles per axis.
-const MAX_HANDLES: usize = 64;
 
 /// Coordinates beyond this many frame heights are assumed to be in pixels by mistake.
 const FURTHEST: f64 = 1000.0;
@@ -33,8 +30,7 @@ pub struct Controls {
     pub dims: [usize; 2],
     /// Basis functions of the lattice.
     pub basis: Basis,
-    /// Smoothness, 0.1 to 10; the default is 1. Its cube scales the weight of the regulariser
-    /// ([`Settings::with_smoothness`](crate::solve::Settings::with_smoothness)): larger values spread the pull of a pin more evenly over
+    /// Smoothness, 0.1 to 10; the default is 1. Its cube scales the weight of the regulariser: larger values spread the pull of a pin more evenly over
     /// the shape. The default weight is small compared with the distortion, so values below 1 change little.
     pub smoothness: f64,
     /// Scales offsets, rotations and the logarithms of scales; 0 disables the warp.

@@ -14,17 +14,8 @@ use crate::space::{FrameSize, PixelRect, ScreenPoint};
 const FURTHEST: f64 = 1e6;
 
 /// The project's picture at a render scale. Rectangles are given as left, lower, right and upper edge.
-///
-/// ```
-/// use pinwarp::live::HostFrame;
-/// use pinwarp::space::{PixelRect, ScreenPoint};
-/// let half = HostFrame::new([0.0, 0.0, 1920.0, 1080.0], 1.0, [0.5, 0.5]);
-/// assert_eq!((half.frame.width, half.frame.height), (960, 540));
-/// assert_eq!(half.screen([0.0, 1080.0]), ScreenPoint::new(0.0, 1.0));
-/// assert_eq!(half.window([0, 530, 960, 540]), PixelRect { x: 0, y: 0, width: 960, height: 10 });
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HostFrame {
+pub(crate) struct HostFrame {
     /// The picture in pixels at this scale; its pixel aspect accounts for different scales in x and y.
     pub frame: FrameSize,
     /// The lower left pixel of the picture.
@@ -37,7 +28,7 @@ impl HostFrame {
     /// Creates the frame of a picture that fills a canonical region, with pixels `aspect` times as wide as high, at
     /// `scale` of its full size.
     #[must_use]
-    pub fn new(region: [f64; 4], aspect: f64, scale: [f64; 2]) -> Self {
+    pub(crate) fn new(region: [f64; 4], aspect: f64, scale: [f64; 2]) -> Self {
         let [x1, y1, x2, y2] = region;
         let pixels = [scale[0] / aspect, scale[1]];
         let side = |length: f64| length.round().clamp(1.0, FURTHEST) as u32;
@@ -52,7 +43,7 @@ impl HostFrame {
 
     /// Converts a canonical point to screen coordinates.
     #[must_use]
-    pub fn screen(&self, [x, y]: [f64; 2]) -> ScreenPoint {
+    pub(crate) fn screen(&self, [x, y]: [f64; 2]) -> ScreenPoint {
         let unit = f64::from(self.frame.height);
         let x = (x * self.pixels[0] - f64::from(self.origin[0])) * self.frame.pixel_aspect;
         ScreenPoint::new(x / unit, (y * self.pixels[1] - f64::from(self.origin[1])) / unit)
@@ -60,7 +51,7 @@ impl HostFrame {
 
     /// Converts a screen point to canonical coordinates.
     #[must_use]
-    pub fn canonical(&self, ScreenPoint(point): ScreenPoint) -> [f64; 2] {
+    pub(crate) fn canonical(&self, ScreenPoint(point): ScreenPoint) -> [f64; 2] {
         let unit = f64::from(self.frame.height);
         let x = point.x * unit / self.frame.pixel_aspect + f64::from(self.origin[0]);
         [x / self.pixels[0], (point.y * unit + f64::from(self.origin[1])) / self.pixels[1]]
@@ -68,26 +59,26 @@ impl HostFrame {
 
     /// Returns the height of the picture in canonical units, which are pixels of its full size.
     #[must_use]
-    pub fn canonical_height(&self) -> f64 {
+    pub(crate) fn canonical_height(&self) -> f64 {
         f64::from(self.frame.height) / self.pixels[1]
     }
 
     /// Returns the whole picture as a canonical region.
     #[must_use]
-    pub fn canonical_region(&self) -> [f64; 4] {
+    pub(crate) fn canonical_region(&self) -> [f64; 4] {
         self.region(self.frame.window())
     }
 
     /// Returns the position of this picture's upper left pixel in the image space of another.
     #[must_use]
-    pub const fn corner_in(&self, other: &Self) -> [i32; 2] {
+    pub(crate) const fn corner_in(&self, other: &Self) -> [i32; 2] {
         let top = other.frame.height as i32 + other.origin[1] - self.frame.height as i32 - self.origin[1];
         [self.origin[0] - other.origin[0], top]
     }
 
     /// Converts a rectangle of host pixels to image space.
     #[must_use]
-    pub fn window(&self, [x1, y1, x2, y2]: [i32; 4]) -> PixelRect {
+    pub(crate) fn window(&self, [x1, y1, x2, y2]: [i32; 4]) -> PixelRect {
         let top = i64::from(self.frame.height) - (i64::from(y2) - i64::from(self.origin[1]));
         PixelRect {
             x: x1.saturating_sub(self.origin[0]),
@@ -99,7 +90,7 @@ impl HostFrame {
 
     /// Converts a window of image space to host pixels; the inverse of [`Self::window`].
     #[must_use]
-    pub const fn pixels(&self, window: PixelRect) -> [i32; 4] {
+    pub(crate) const fn pixels(&self, window: PixelRect) -> [i32; 4] {
         let left = window.x + self.origin[0];
         let upper = self.frame.height as i32 - window.y + self.origin[1];
         [left, upper - window.height as i32, left + window.width as i32, upper]
@@ -107,7 +98,7 @@ impl HostFrame {
 
     /// Returns the pixels of image space that contain a canonical region.
     #[must_use]
-    pub fn window_of(&self, region: [f64; 4]) -> PixelRect {
+    pub(crate) fn window_of(&self, region: [f64; 4]) -> PixelRect {
         let [x1, y1, x2, y2] = region.map(|edge| edge.clamp(-FURTHEST, FURTHEST));
         let [across, up] = self.pixels;
         self.window([
@@ -120,7 +111,7 @@ impl HostFrame {
 
     /// Converts a window of image space to a canonical region.
     #[must_use]
-    pub fn region(&self, window: PixelRect) -> [f64; 4] {
+    pub(crate) fn region(&self, window: PixelRect) -> [f64; 4] {
         let left = f64::from(window.x) + f64::from(self.origin[0]);
         let top = f64::from(self.frame.height) - f64::from(window.y) + f64::from(self.origin[1]);
         let [x, y] = self.pixels;
@@ -163,5 +154,15 @@ mod tests {
         assert_eq!(host_frame.window_of(inner), window);
         let everywhere = [f64::from(i32::MIN), f64::from(i32::MIN), 2e9, 2e9];
         assert!(host_frame.window_of(everywhere).width <= 700_000);
+    }
+
+    #[test]
+    fn a_half_scale_frame_has_half_the_pixels_and_the_same_screen() {
+        use crate::live::HostFrame;
+        use crate::space::{PixelRect, ScreenPoint};
+        let half = HostFrame::new([0.0, 0.0, 1920.0, 1080.0], 1.0, [0.5, 0.5]);
+        assert_eq!((half.frame.width, half.frame.height), (960, 540));
+        assert_eq!(half.screen([0.0, 1080.0]), ScreenPoint::new(0.0, 1.0));
+        assert_eq!(half.window([0, 530, 960, 540]), PixelRect { x: 0, y: 0, width: 960, height: 10 });
     }
 }

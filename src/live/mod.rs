@@ -49,16 +49,17 @@ pub use alpha_region::destination_of_any_alpha;
 pub(crate) use buffer_pool::{recycle_planes, take_planes};
 pub use controls::{Controls, Moved, Pin, PinRegion};
 pub use error::LiveError;
-pub use host_frame::HostFrame;
+pub(crate) use host_frame::HostFrame;
 pub use mix::Mix;
 pub use notices::{Notice, Wording};
 pub use outputs::OutputGuard;
 #[cfg(feature = "ofx")]
 pub(crate) use owned::OwnedPicture;
-pub use picker::{PenResult, Picker, SelectMode};
+pub(crate) use picker::{PenResult, Picker, SelectMode};
 pub use picture::{Alpha, Picture};
 pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
-pub use render::{Piece, render, render_mean, render_pieces};
+pub(crate) use render::render_mean;
+pub use render::{Piece, render, render_pieces};
 pub use render_job::Render;
 pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};
 pub use solve::{last_of_alpha, warp, warp_until};
@@ -72,7 +73,7 @@ pub use write::{NewShot, Subject, WriteShot, write_shot};
 
 /// Frees everything that is cached and can be recomputed, for hosts that are short of memory. Later results are
 /// bit-identical, and take as long as the first time.
-pub fn purge() {
+pub(crate) fn purge() {
     process_cache::CACHE.purge();
     buffer_pool::purge();
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 /// What happens to the previous selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SelectMode {
+pub(crate) enum SelectMode {
     /// It is replaced.
     Replace,
     /// It is extended (Shift is held).
@@ -15,7 +15,7 @@ pub enum SelectMode {
 
 /// The result of a pen event.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PenResult {
+pub(crate) enum PenResult {
     /// Nothing changed.
     Nothing,
     /// The selection or the selection box changed.
@@ -35,16 +35,8 @@ enum Pen {
 }
 
 /// The selection and the pen state of one viewer.
-///
-/// ```
-/// use pinwarp::live::{SelectMode, Picker, PenResult};
-/// let (mut picker, points) = (Picker::default(), [(7, [10.0, 10.0]), (9, [50.0, 10.0])]);
-/// assert_eq!(picker.press([11.0, 10.0], &points, [5.0, 5.0], SelectMode::Replace), PenResult::SelectionChanged);
-/// assert!(picker.is_selected(7) && !picker.is_selected(9));
-/// assert_eq!(picker.motion([31.0, 15.0]), PenResult::Dragged([20.0, 5.0]));
-/// ```
 #[derive(Clone, Debug)]
-pub struct Picker {
+pub(crate) struct Picker {
     chosen: BTreeSet<usize>,
     pen: Pen,
 }
@@ -57,7 +49,7 @@ impl Default for Picker {
 
 impl Picker {
     /// Pen down: starts a drag on the nearest point within `reach`, and otherwise a selection box.
-    pub fn press(
+    pub(crate) fn press(
         &mut self,
         at: [f64; 2],
         points: &[(usize, [f64; 2])],
@@ -82,7 +74,7 @@ impl Picker {
     }
 
     /// Pen motion.
-    pub fn motion(&mut self, at: [f64; 2]) -> PenResult {
+    pub(crate) fn motion(&mut self, at: [f64; 2]) -> PenResult {
         match &mut self.pen {
             Pen::Up => PenResult::Nothing,
             Pen::Drags(from) => PenResult::Dragged([at[0] - from[0], at[1] - from[1]]),
@@ -94,7 +86,7 @@ impl Picker {
     }
 
     /// Pen up: adds the points in the box to the selection.
-    pub fn release(&mut self, at: [f64; 2], points: &[(usize, [f64; 2])]) -> PenResult {
+    pub(crate) fn release(&mut self, at: [f64; 2], points: &[(usize, [f64; 2])]) -> PenResult {
         let pull = self.motion(at);
         if let Pen::Boxes([a, b]) = self.pen {
             let holds = |point: [f64; 2]| (0..2).all(|axis| (point[axis] - a[axis]) * (point[axis] - b[axis]) <= 0.0);
@@ -105,7 +97,7 @@ impl Picker {
     }
 
     /// Cancels a drag: returns [`PenResult::Dragged`] back to its start.
-    pub fn cancel(&mut self) -> PenResult {
+    pub(crate) fn cancel(&mut self) -> PenResult {
         match std::mem::replace(&mut self.pen, Pen::Up) {
             Pen::Up => PenResult::Nothing,
             Pen::Drags(_) => PenResult::Dragged([0.0, 0.0]),
@@ -114,41 +106,41 @@ impl Picker {
     }
 
     /// Ends the pen action without moving the points; the selection stays.
-    pub fn let_go(&mut self) {
+    pub(crate) fn let_go(&mut self) {
         self.pen = Pen::Up;
     }
 
     /// Replaces the selection.
-    pub fn choose(&mut self, ids: impl IntoIterator<Item = usize>) {
+    pub(crate) fn choose(&mut self, ids: impl IntoIterator<Item = usize>) {
         self.chosen = ids.into_iter().collect();
     }
 
     /// Returns the selected points, in order.
-    pub fn chosen(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn chosen(&self) -> impl Iterator<Item = usize> {
         self.chosen.iter().copied()
     }
 
     /// Whether a point is selected.
     #[must_use]
-    pub fn is_selected(&self, id: usize) -> bool {
+    pub(crate) fn is_selected(&self, id: usize) -> bool {
         self.chosen.contains(&id)
     }
 
     /// Whether the pen neither drags nor draws a box.
     #[must_use]
-    pub fn is_up(&self) -> bool {
+    pub(crate) fn is_up(&self) -> bool {
         self.pen == Pen::Up
     }
 
     /// Whether the pen drags points.
     #[must_use]
-    pub fn is_dragging(&self) -> bool {
+    pub(crate) fn is_dragging(&self) -> bool {
         matches!(self.pen, Pen::Drags(_))
     }
 
     /// Returns opposite corners of the selection box that is being drawn.
     #[must_use]
-    pub fn corners(&self) -> Option<[[f64; 2]; 2]> {
+    pub(crate) fn corners(&self) -> Option<[[f64; 2]; 2]> {
         if let Pen::Boxes(corners) = self.pen { Some(corners) } else { None }
     }
 }
@@ -187,5 +179,14 @@ mod tests {
         picker.press([100.0, 8.0], &POINTS, [5.0, 5.0], SelectMode::Replace);
         picker.release([100.0, 8.0], &POINTS);
         assert!(chosen(&picker).is_empty(), "a click on nothing lets go");
+    }
+
+    #[test]
+    fn a_press_selects_and_a_motion_drags() {
+        use crate::live::{PenResult, Picker, SelectMode};
+        let (mut picker, points) = (Picker::default(), [(7, [10.0, 10.0]), (9, [50.0, 10.0])]);
+        assert_eq!(picker.press([11.0, 10.0], &points, [5.0, 5.0], SelectMode::Replace), PenResult::SelectionChanged);
+        assert!(picker.is_selected(7) && !picker.is_selected(9));
+        assert_eq!(picker.motion([31.0, 15.0]), PenResult::Dragged([20.0, 5.0]));
     }
 }

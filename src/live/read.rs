@@ -31,7 +31,7 @@ pub struct ShotFile {
 impl ShotFile {
     /// Summarises for the user what was read, for a host with `most` pins.
     #[must_use]
-    pub fn told(&self, most: usize) -> String {
+    pub(crate) fn told(&self, most: usize) -> String {
         let count = self.tracks.len();
         let mut told = vec![format!("read {} of layer {}", pluralised(count.min(most), "pin", "pins"), self.layer)];
         if count > most {
@@ -82,7 +82,12 @@ impl PinTrack {
     /// so that the shape of the curves is kept. `pin_at` evaluates the pin at a time, `offset` is the frame minus the
     /// time. A pin without keys gets a single one at `now`.
     #[must_use]
-    pub fn sampled(name: String, times: &[f64], [now, offset]: [f64; 2], pin_at: impl Fn(f64) -> Option<Pin>) -> Self {
+    pub(crate) fn sampled(
+        name: String,
+        times: &[f64],
+        [now, offset]: [f64; 2],
+        pin_at: impl Fn(f64) -> Option<Pin>,
+    ) -> Self {
         let mut times: Vec<f64> = times.iter().copied().filter(|time| time.is_finite()).collect();
         let [first, last] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
         if let (Some(first), Some(last)) = (first, last) {

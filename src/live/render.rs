@@ -45,7 +45,7 @@ pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
 ///
 /// # Errors
 /// As [`render`].
-pub fn render_mean(warps: &[Arc<Warp>], job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
+pub(crate) fn render_mean(warps: &[Arc<Warp>], job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     job.check()?;
     let is_straight = job.source.alpha == Alpha::Straight;
     let multiplied = job.source.associated();

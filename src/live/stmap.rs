@@ -36,7 +36,7 @@ impl StMap {
     /// Converts the map to fractions of another picture of the same scale, in whose image space this one's upper left
     /// pixel is at `corner`.
     #[must_use]
-    pub fn measured_over(mut self, own: FrameSize, other: FrameSize, corner: [i32; 2]) -> Self {
+    pub(crate) fn measured_over(mut self, own: FrameSize, other: FrameSize, corner: [i32; 2]) -> Self {
         if corner == [0, 0] && own == other {
             return self;
         }

@@ -17,7 +17,7 @@ pub struct Warp {
     /// sum to 1. Empty if the picture moves as one.
     pub parts: Vec<(Field, Coverage)>,
     /// Coverage of the shape of all parts; `None` if there are none.
-    pub covered: Option<Coverage>,
+    pub(crate) covered: Option<Coverage>,
     /// The solved lattice, at rest where nothing moves; `None` if there is nothing to lay it over.
     pub lattice: Option<ScreenLattice>,
     /// One per pin of the controls, in order.
@@ -149,7 +149,7 @@ impl Warp {
 
     /// Returns the number of flipped lattice cells that contain part of the shape.
     #[must_use]
-    pub fn folded_cells(&self) -> usize {
+    pub(crate) fn folded_cells(&self) -> usize {
         self.report.as_ref().map_or(0, |report| report.folded_model_cells)
     }
 
@@ -190,7 +190,7 @@ impl Warp {
 impl Warp {
     /// Returns the outlines of folded cells after the warp, with `pieces` segments per side; empty if nothing visible folds.
     #[must_use]
-    pub fn folded_outlines(&self, pieces: usize) -> Vec<Vec<ScreenPoint>> {
+    pub(crate) fn folded_outlines(&self, pieces: usize) -> Vec<Vec<ScreenPoint>> {
         let Some(lattice) = self.lattice.as_ref().filter(|_| self.folded_cells() > 0) else { return Vec::new() };
         let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
         // Cell indices start at the handles outside the box.

@@ -27,14 +27,6 @@ impl Coverage {
         self.window.sample_index(own).map_or(0.0, |place| self.samples[place])
     }
 
-    /// Returns this coverage limited to the other, which belongs to the same frame.
-    #[must_use]
-    pub fn within(&self, other: &Self) -> Self {
-        let samples = self.samples.iter().enumerate();
-        let samples = samples.map(|(place, sample)| sample * other.at(self.window.pixel_at(place), self.frame));
-        Self { samples: samples.collect(), ..self.clone() }
-    }
-
     /// Resamples the coverage over a window of a picture of the given size, #pixels. Pixels outside the frame take the
     /// value of the nearest pixel inside.
     #[must_use]

@@ -6,16 +6,10 @@ use super::channel_table::{ChannelIndex, ChannelTable};
 use super::matte::{find, id_of, is_named, matte_layers_of_view, select, summed_coverage};
 use super::{Matte, PlateError};
 use crate::image::cryptomatte::{MatteId, MatteLayer};
-use crate::image::{LabelMap, NO_LABEL, Plate};
+use crate::image::{CHOSEN, LabelMap, NO_LABEL, OTHER, Plate};
 use crate::space::PixelRect;
 use crate::spelling;
 use std::collections::BTreeMap;
-
-/// Label of what a matte selects.
-const CHOSEN: u32 = 1;
-
-/// Label of everything else.
-const OTHER: u32 = 2;
 
 /// Returns a label for each id of a Cryptomatte: that of its largest coverage in every pixel. Of several Cryptomattes, the one named `of`,
 /// else one of objects, else of assets; `None` if there is none and none is named.

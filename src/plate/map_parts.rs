@@ -48,7 +48,7 @@ impl WarpMap {
 
     /// Returns the target of every pixel centre of a picture, moved by the part that covers at least half of it; the rest stays.
     #[must_use]
-    pub fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
+    pub(crate) fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
         let mut map = Self::identity(frame, window);
         let mut folded = BTreeSet::new();
         for (field, coverage) in parts {

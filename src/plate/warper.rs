@@ -60,7 +60,7 @@ pub(crate) fn check_plate(
 
 /// Returns the semantic of every channel of a plate, ordered by part and channel; needs no samples.
 #[must_use]
-pub fn channel_semantics(head: &Plate, settings: &WarpSettings) -> Vec<ChannelReport> {
+pub(crate) fn channel_semantics(head: &Plate, settings: &WarpSettings) -> Vec<ChannelReport> {
     ChannelTable::of(head, &settings.semantics).entries.iter().map(|entry| entry.report(head)).collect()
 }
 
@@ -92,7 +92,7 @@ impl Warper {
     ///
     /// # Errors
     /// As [`warp_plate`].
-    pub fn warp(&self, plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
+    pub(crate) fn warp(&self, plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport), PlateError> {
         let table = ChannelTable::of(plate, &job.settings.semantics);
         let moving_layers = MovingLayer::all_of(job);
         let mut composites = composites(&table);
@@ -119,7 +119,12 @@ impl Warper {
     ///
     /// # Errors
     /// As [`undo_plate`].
-    pub fn undo(&self, plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
+    pub(crate) fn undo(
+        &self,
+        plate: &Plate,
+        job: &PlateJob,
+        reach: PixelRect,
+    ) -> Result<(Plate, PlateReport), PlateError> {
         let whole = MovingLayer::all_of(job).swap_remove(0);
         let map = WarpMap::forward(&whole.now, plate.frame_size(), reach);
         let undone = MovingLayer { direction: Direction::Backward, ..whole };

@@ -197,7 +197,7 @@ pub enum DeviceChoice {
 impl DeviceChoice {
     /// Parses `auto`, `cpu`, `vulkan`, case-insensitively; anything else is part of a device's name, or its index.
     #[must_use]
-    pub fn of_name(name: &str) -> Self {
+    pub(crate) fn of_name(name: &str) -> Self {
         match name.to_lowercase().as_str() {
             "auto" => Self::Auto,
             "cpu" => Self::Cpu,

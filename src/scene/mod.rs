@@ -117,7 +117,7 @@ pub enum Placement {
 impl Placement {
     /// The transform as a matrix.
     #[must_use]
-    pub fn matrix(&self) -> Mat4 {
+    pub(crate) fn matrix(&self) -> Mat4 {
         match *self {
             Self::Trs { translation, rotation, scale } => {
                 Mat4::from_scale_rotation_translation(scale, rotation, translation)
@@ -277,7 +277,7 @@ pub struct Track {
     /// Index into [`Scene::nodes`].
     pub node: usize,
     /// Interpolation between keys.
-    pub interpolation: Interpolation,
+    pub(crate) interpolation: Interpolation,
     /// Key times in seconds, strictly increasing, never empty.
     pub times: Vec<f32>,
     /// Values: one per key, three for cubic splines (in-tangent, value, out-tangent).
@@ -286,7 +286,7 @@ pub struct Track {
 
 /// glTF's interpolations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interpolation {
+pub(crate) enum Interpolation {
     /// Hold.
     Step,
     /// Linear; rotations spherically.

@@ -18,7 +18,7 @@ pub(super) const CONTRAST: f64 = 0.25;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connectivity {
     /// Cuts, in the order of the shot.
-    pub cuts: Vec<Cut>,
+    pub(crate) cuts: Vec<Cut>,
     /// One per cut: the order in depth of the part that it chooses; empty: that of the part's pins.
     pub(crate) orders: Vec<Vec<OrderKey>>,
     /// Manual joins: pairs of patterns of node names (`*` and `?`), including their subtrees.
@@ -30,7 +30,7 @@ pub struct Connectivity {
 
 /// A separation within a layer.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Cut {
+pub(crate) enum Cut {
     /// A stroke across a picture: a polyline in frame heights.
     Stroke(Vec<[f64; 2]>),
     /// A stroke over a scene, as the camera sees it.
@@ -59,7 +59,7 @@ pub enum Cut {
 
 /// The effect of a cut on the surface of a mesh of which only some is cut off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CutSurface {
+pub(crate) enum CutSurface {
     /// It stays whole: the cut separates parts that touch or are near, such as an arm and the body beside it.
     Whole,
     /// It is opened along the border of the part.
@@ -68,7 +68,7 @@ pub enum CutSurface {
 
 /// A picture of ids that lies over the picture of a layer.
 #[derive(Clone, Debug, PartialEq)]
-pub struct IdPicture {
+pub(crate) struct IdPicture {
     /// PNG or EXR file of the picture's shape.
     pub file: PathBuf,
     /// The ids that count.
@@ -77,7 +77,7 @@ pub struct IdPicture {
 
 /// The ids of a picture that separate parts.
 #[derive(Clone, Debug, PartialEq)]
-pub enum IdChoice {
+pub(crate) enum IdChoice {
     /// Each id of a Cryptomatte is a part; in a file without one, each colour. The name of the Cryptomatte, if several are there.
     Each(Option<String>),
     /// Each value of a channel of ids is a part.
@@ -88,7 +88,7 @@ pub enum IdChoice {
 
 /// A drawing that is divided into the regions which its lines close.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LineArt {
+pub(crate) struct LineArt {
     /// Picture of the lines; `None`: the picture of the layer.
     pub file: Option<PathBuf>,
     /// Points in regions that together are one part, frame heights; empty: every region is a part.

@@ -29,13 +29,14 @@ mod structure;
 pub mod template;
 
 pub use camera::*;
+pub use connectivity::Connectivity;
 pub(crate) use connectivity::CutSurface;
-pub use connectivity::{Connectivity, Cut, IdChoice, IdPicture, LineArt};
+pub(crate) use connectivity::{Cut, IdChoice, IdPicture, LineArt};
 pub use error::ShotError;
 pub(crate) use hash::digest;
 pub use lines::KeyLines;
 pub use model::*;
-pub use order::OrderKey;
+pub(crate) use order::OrderKey;
 pub(crate) use order::order_at;
 pub use schema::schema;
 pub use selection::{ColorChannel, PaintedMask, Selection};

@@ -75,7 +75,7 @@ impl Shot {
     }
 
     /// Gives mirrored pins the keys of the pins that they follow, after those have changed.
-    pub fn copy_mirrored_keys(&mut self) {
+    pub(crate) fn copy_mirrored_keys(&mut self) {
         for layer in 0..self.layers.len() {
             for pin in 0..self.layers[layer].pins.len() {
                 if let Some(mirror) = self.layers[layer].pins[pin].mirror {
@@ -181,7 +181,7 @@ pub struct Layer {
     /// The lattice's space, its handles and its box.
     pub space: LayerSpace,
     /// The orientation of its box.
-    pub orientation: BoxOrientation,
+    pub(crate) orientation: BoxOrientation,
     /// Whether the dims of `space` are chosen during preparation, from the thinnest parts of the layer and its nearest
     /// pins.
     pub has_auto_dims: bool,
@@ -202,7 +202,7 @@ pub struct Layer {
     /// Brush strokes of stiffness, which multiply what the rules say, in the order of the file.
     pub strokes: Vec<BrushStroke>,
     /// The plane at which mirrored pins are reflected; `None`: the layer's own plane of symmetry at rest.
-    pub symmetry: Option<AxisPlane>,
+    pub(crate) symmetry: Option<AxisPlane>,
     /// Pins.
     pub pins: Vec<Pin>,
     /// Manually moved handles.
@@ -310,7 +310,7 @@ pub enum BoxRule {
 
 /// The orientation of a lattice's box: the key `lattice.frame`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct BoxOrientation {
+pub(crate) struct BoxOrientation {
     /// A node that the box turns with. On the screen the box's second axis points along an axis of the node (0, 1, 2 for
     /// x, y, z) as the camera sees it; in the scene the box has the axes of the node.
     pub node: Option<(String, usize)>,
@@ -320,7 +320,7 @@ pub struct BoxOrientation {
 
 /// A plane perpendicular to an axis of the scene at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisPlane {
+pub(crate) struct AxisPlane {
     /// The axis: 0, 1, 2 for x, y, z.
     pub axis: usize,
     /// The plane's coordinate on it: metres, in pictures and plates frame heights.
@@ -329,7 +329,7 @@ pub struct AxisPlane {
 
 /// The pin on the other side of the model that a mirrored pin follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mirror {
+pub(crate) struct Mirror {
     /// Index of its layer in the shot.
     pub layer: usize,
     /// Its index in that layer.
@@ -343,10 +343,10 @@ pub struct Mirror {
 pub struct Pin {
     /// Name, unique in its layer.
     pub name: String,
-    /// Its anchor; that of the other pin if [`Mirror::is_anchor_mirrored`].
+    /// Its anchor; that of the other pin if its mirror includes the anchor.
     pub anchor: Anchor,
     /// The pin whose mirrored keys it takes; `keys` and `unit` are those of that pin.
-    pub mirror: Option<Mirror>,
+    pub(crate) mirror: Option<Mirror>,
     /// Unit of the offsets.
     pub unit: OffsetUnit,
     /// The region that it carries; `None`: only its point.
@@ -357,7 +357,7 @@ pub struct Pin {
     pub is_muted: bool,
     /// Depth order where parts of a picture overlap: the part around the pin of higher order lies in front. Stepped
     /// keys, frames strictly increasing. Empty: 0.
-    pub order: Vec<OrderKey>,
+    pub(crate) order: Vec<OrderKey>,
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
     /// Keys of its rotation alone, frames strictly increasing; `keys` then hold none. Empty: `keys` hold the rotation.

@@ -4,7 +4,7 @@
 
 /// A key of the order of a pin or of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrderKey {
+pub(crate) struct OrderKey {
     /// Its frame.
     pub frame: f64,
     /// The order from this frame on.

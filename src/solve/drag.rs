@@ -115,14 +115,6 @@ impl<'a, const D: usize> CancellableSolver<'a, D> {
     pub fn drag(&self, from: &Lattice<D>) -> Result<Drag<'a, D>, SolveError> {
         Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag(from)? })
     }
-
-    /// Same as [`Solver::drag_from`], but cancellable. A cancelled move leaves the drag in its previous state.
-    ///
-    /// # Errors
-    /// Those of [`Solver::drag_from`].
-    pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'a, D>, SolveError> {
-        Ok(Drag { cancel: Some(self.cancel), ..self.solver.drag_from(from)? })
-    }
 }
 
 impl<const D: usize> Drag<'_, D> {

@@ -78,14 +78,7 @@ impl<const D: usize> Minimization<'_, D> {
                 }
             }
             if step <= self.settings.tolerance * self.diagonal {
-                return Ok(MinimizationResult {
-                    handles: next,
-                    iterations: iteration,
-                    is_converged: true,
-                    has_given_way: false,
-                    is_minimum: None,
-                    energy: None,
-                });
+                return Ok(MinimizationResult::of(next, iteration, true));
             }
             if self.settings.acceleration > 0 {
                 plain = Some(next.clone());
@@ -95,13 +88,6 @@ impl<const D: usize> Minimization<'_, D> {
         }
         // The plain state is returned, because the energy of the accelerated one has not been checked.
         let handles = plain.unwrap_or(state);
-        Ok(MinimizationResult {
-            handles,
-            iterations: self.settings.iteration_limit,
-            is_converged: false,
-            has_given_way: false,
-            is_minimum: None,
-            energy: None,
-        })
+        Ok(MinimizationResult::of(handles, self.settings.iteration_limit, false))
     }
 }

@@ -60,6 +60,13 @@ pub(crate) struct MinimizationResult<const D: usize> {
     pub(crate) energy: Option<f64>,
 }
 
+impl<const D: usize> MinimizationResult<D> {
+    /// A result without a barrier, of which nothing else was computed.
+    pub(crate) fn of(handles: Vec<[f64; D]>, iterations: usize, is_converged: bool) -> Self {
+        Self { handles, iterations, is_converged, has_given_way: false, is_minimum: None, energy: None }
+    }
+}
+
 /// Energy terms without their weights, and the weighted sum.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Energies {

@@ -56,7 +56,8 @@ pub(crate) use branching::nearest_barycentric;
 pub(crate) use linalg::small_matrix::symmetric_eigen;
 
 pub(crate) use branching::Bending;
-pub use branching::{BranchedLattice, Link, LinkEnd, LinkKind};
+pub use branching::{BranchedLattice, Link};
+pub(crate) use branching::{LinkEnd, LinkKind};
 pub(crate) use branching::{
     continued, inner_widths, islands_of, link_length, nearest_link, solid_links, surface_links,
 };

@@ -141,14 +141,7 @@ impl<const D: usize> Minimization<'_, D> {
         let mut handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
         notify(&handles);
-        Ok(MinimizationResult {
-            handles,
-            iterations,
-            is_converged,
-            has_given_way: false,
-            is_minimum: None,
-            energy: None,
-        })
+        Ok(MinimizationResult::of(handles, iterations, is_converged))
     }
 
     /// Whether Newton's method is available and cheap.
@@ -166,28 +159,14 @@ impl<const D: usize> Minimization<'_, D> {
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let before = handles.clone();
         if self.barrier.is_some_and(|barrier| !barrier.is_clear(&handles)) {
-            let reached = MinimizationResult {
-                handles,
-                iterations: 0,
-                is_converged: false,
-                has_given_way: false,
-                is_minimum: None,
-                energy: None,
-            };
+            let reached = MinimizationResult::of(handles, 0, false);
             return self.with_barrier(reached, Some(&before));
         }
         let mut residuals = Vec::new();
         self.constraints.enforce(self.terms, &mut residuals, &mut handles);
         let mut descent = Descent::new(self, handles, std::mem::take(cached))?;
         descent.factors_left = factors;
-        let mut run = MinimizationResult {
-            handles: Vec::new(),
-            iterations: 0,
-            is_converged: false,
-            has_given_way: false,
-            is_minimum: None,
-            energy: None,
-        };
+        let mut run = MinimizationResult::of(Vec::new(), 0, false);
         while !run.is_converged && run.iterations < self.settings.iteration_limit {
             run.iterations += 1;
             run.is_converged = descent.step()? == StepOutcome::Converged;

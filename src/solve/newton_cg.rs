@@ -89,14 +89,7 @@ impl<const D: usize> Minimization<'_, D> {
         let mut handles = descent.state.handles;
         self.constraints.enforce(self.terms, &mut Vec::new(), &mut handles);
         notify(&handles);
-        Ok(Some(MinimizationResult {
-            handles,
-            iterations,
-            is_converged,
-            has_given_way: false,
-            is_minimum: None,
-            energy: None,
-        }))
+        Ok(Some(MinimizationResult::of(handles, iterations, is_converged)))
     }
 
     fn step_tolerance(&self) -> f64 {

@@ -272,7 +272,7 @@ impl Settings {
     /// is multiplied by the cube of `smoothness`, so that values from 1 to 10 range from shapes that follow each pin to one
     /// smooth deformation.
     #[must_use]
-    pub fn with_smoothness(mut self, smoothness: f64) -> Self {
+    pub(crate) fn with_smoothness(mut self, smoothness: f64) -> Self {
         self.lambdas.regularizer *= smoothness.powi(3);
         self
     }

@@ -433,14 +433,7 @@ impl<const D: usize> System<D> {
     pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: the lattice stays at rest; add a pin".into());
-        let result = MinimizationResult {
-            handles: self.rest(),
-            iterations: 0,
-            is_converged: true,
-            has_given_way: false,
-            is_minimum: None,
-            energy: None,
-        };
+        let result = MinimizationResult::of(self.rest(), 0, true);
         self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
     }
 

@@ -11,10 +11,10 @@ use pinwarp::pipeline::{PreparedShot, RenderOptions, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
 use pinwarp::shot::Shot;
-use pinwarp::shot::edit::{Setting, put_layer_setting, put_setting};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use toml_edit::{Array, DocumentMut};
 
 /// Width and height of the frame.
 const SIZE: [f64; 2] = [96.0, 54.0];
@@ -67,18 +67,14 @@ fn a_model_is_opened_pinned_keyed_played_saved_and_rendered() {
     // The shot beside it is the one that the editor writes, but small, so that it is drawn in no time.
     let shot = scene.with_extension("toml");
     let text = open(&scene, FileAccess::SceneFolder).expect("it opens").text().to_owned();
-    let text = [
-        (&["size"][..], Setting::Wholes(SIZE.map(|side| side as i64).to_vec())),
-        (&["samples"], Setting::Whole(2)),
-        (&["frames", "last"], Setting::Whole(4)),
-        (&["solve_range"], Setting::Wholes(vec![1, 4])),
-        (&["output", "path"], Setting::Text("render/frame.####.exr".into())),
-    ]
-    .into_iter()
-    .fold(text, |text, (key, setting)| put_setting(&text, key, &setting).expect("a shot"));
-    let dims = Setting::Wholes(vec![8, 8]);
-    let layer = &Shot::parse(&text, &shot).expect("a shot").layers[0].name;
-    let text = put_layer_setting(&text, layer, &["lattice", "dims"], &dims).expect("a shot");
+    let mut text: DocumentMut = text.parse().expect("TOML");
+    text["size"] = SIZE.map(|side| side as i64).into_iter().collect::<Array>().into();
+    text["samples"] = 2.into();
+    text["frames"]["last"] = 4.into();
+    text["solve_range"] = [1, 4].into_iter().collect::<Array>().into();
+    text["output"]["path"] = "render/frame.####.exr".into();
+    text["layer"][0]["lattice"]["dims"] = [8, 8].into_iter().collect::<Array>().into();
+    let text = text.to_string();
     fs::write(&shot, &text).expect("written");
 
     let mut window = window(&folder.path().join("state"), None);

@@ -1,10 +1,10 @@
 //! Every action in every host; the words of the descriptions; wrong calls.
 
+use crate::host::api::names::{action, image, param};
+use crate::host::api::{PropertySet, Status};
 use crate::host::profile::{ALL, BOOK, RESOLVE};
-use crate::host::{Frame, Host, Pixels, Which};
+use crate::host::{Frame, Host, Pixels, Which, declared};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::names::{action, image, param};
-use pinwarp::ofx::api::{PropertySet, Status};
 use pinwarp::ofx::{number_of_plugins, plugin};
 
 #[test]
@@ -77,8 +77,7 @@ fn calls_that_make_no_sense_are_answered_with_a_status() {
     for nth in [-1, number_of_plugins(), i32::MAX, i32::MIN] {
         assert!(plugin(nth).is_null(), "there is no plugin {nth}");
     }
-    // SAFETY: a constant of the library.
-    let entry = unsafe { plugin(0).read() }.main_entry.expect("it takes actions");
+    let entry = declared(0).main_entry.expect("it takes actions");
     let none = PropertySet::NULL;
     // SAFETY: the entry takes null for all.
     let unnamed = unsafe { entry(std::ptr::null(), std::ptr::null(), none, none) };

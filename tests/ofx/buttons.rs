@@ -1,10 +1,10 @@
 //! Buttons: shots are written and read, maps are written; `pinwarp` itself takes them.
 
+use crate::host::api::Status;
+use crate::host::api::names::param;
 use crate::host::profile::BOOK;
 use crate::host::{Frame, Host, Pixels, Profile, Which};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::Status;
-use pinwarp::ofx::api::names::param;
 use std::process::Command;
 
 /// The number of that filter.

@@ -1,10 +1,10 @@
 //! Pins in the viewer: added by clicks, selected, deleted, reset; every change is one step to undo.
 
+use crate::host::api::Status;
+use crate::host::api::names::interact;
 use crate::host::profile::{BOOK, NATRON};
 use crate::host::{Frame, Host, Node, Pixels, Which};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::Status;
-use pinwarp::ofx::api::names::interact;
 
 /// A node with a picture and no pins.
 fn bare(host: &mut Host) -> Node {

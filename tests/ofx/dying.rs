@@ -1,10 +1,10 @@
 //! Effects that end: whatever a host still sends, nothing of it is touched.
 
+use crate::host::api::names::{action, image, interact};
+use crate::host::api::{PropertySet, Status};
 use crate::host::profile::{ALL, BOOK, NATRON};
-use crate::host::{Frame, Host, Pixels, Which};
+use crate::host::{Frame, Host, Pixels, Which, declared};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::names::{action, image, interact};
-use pinwarp::ofx::api::{PropertySet, Status};
 use std::ffi::CStr;
 
 /// Every action of the API on effects, but those that begin a life.
@@ -74,8 +74,7 @@ fn an_effect_that_ends_with_its_message_up_does_not_clear_it() {
 #[test]
 fn destroying_needs_no_host_at_all() {
     let host = Host::start(&BOOK, Which::PinWarp);
-    // SAFETY: a constant of the library.
-    let entry = unsafe { pinwarp::ofx::plugin(0).read() }.main_entry.expect("it takes actions");
+    let entry = declared(0).main_entry.expect("it takes actions");
     let (name, none) = (action::DESTROY_INSTANCE, PropertySet::NULL);
     // SAFETY: the handle points nowhere; nothing may look behind it.
     let status = unsafe { entry(name.as_ptr(), 0x10 as *const _, none, none) };

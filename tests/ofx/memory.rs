@@ -1,11 +1,11 @@
 //! The memory budget: what does not fit is refused and told, and what fits goes on.
 
+use crate::host::api::Status;
+use crate::host::api::names::MESSAGE_ERROR;
 use crate::host::profile::BOOK;
 use crate::host::{Frame, Host, Node, Pixels, Which};
 use crate::{SIZE, pulled};
 use pinwarp::image::{Compression, FrameMetadata, Storage};
-use pinwarp::ofx::api::Status;
-use pinwarp::ofx::api::names::MESSAGE_ERROR;
 use pinwarp::space::PixelRect;
 use std::process::Command;
 

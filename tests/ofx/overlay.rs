@@ -1,10 +1,10 @@
 //! The overlay: what is drawn, and what the pen does.
 
+use crate::host::api::Status;
+use crate::host::api::names::{interact, param};
 use crate::host::profile::{BOOK, NATRON};
 use crate::host::{Host, Pixels, Profile, Value, Which};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::Status;
-use pinwarp::ofx::api::names::{interact, param};
 
 #[test]
 fn pins_and_lattice_are_drawn() {

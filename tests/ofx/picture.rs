@@ -1,10 +1,10 @@
 //! The picture of the manual: a drawing before and after, with the overlay as the plugin draws it.
 //! `UPDATE=1 cargo test --features ofx --test ofx picture` writes it anew.
 
+use crate::host::api::RectI;
 use crate::host::profile::BOOK;
 use crate::host::{Drawn, Frame, Host, Pixels, Which};
 use pinwarp::image::{Canvas, Preview, Rgba8, png_bytes, read_picture};
-use pinwarp::ofx::api::RectI;
 use pinwarp::space::ImagePoint;
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! Pixels: every depth, components and row order; tiles; fields; threads; giving up.
 
+use crate::host::api::RectI;
+use crate::host::api::names::image;
 use crate::host::profile::BOOK;
 use crate::host::{Depth, Frame, Host, Pixels, Profile, Rows, Which, feed};
 use crate::{SIZE, pull, pulled};
-use pinwarp::ofx::api::RectI;
-use pinwarp::ofx::api::names::image;
 
 /// The pulled picture, rendered whole from floats.
 fn rendered(profile: &Profile, pixels: &Pixels) -> Pixels {

@@ -1,9 +1,9 @@
 //! Plates that are larger or smaller than the project, or lie elsewhere.
 
+use crate::host::api::RectI;
+use crate::host::api::names::image;
 use crate::host::profile::{BOOK, NATRON, NUKE};
 use crate::host::{Frame, Host, Node, Pixels, Which, feed};
-use pinwarp::ofx::api::RectI;
-use pinwarp::ofx::api::names::image;
 
 /// A plate of 160 x 90 pixels whose lower left corner lies at `corner`, in a project of `project` pixels.
 fn plate(host: &mut Host, corner: [i32; 2], project: [f64; 2]) -> (Node, Pixels) {

@@ -1,10 +1,10 @@
 //! Clip preferences: what the plugin tells of its output before anything is rendered.
 
+use crate::host::api::Status;
+use crate::host::api::names::{action, image};
 use crate::host::profile::BOOK;
 use crate::host::{Host, Node, Pixels, Value, Which, feed};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::Status;
-use pinwarp::ofx::api::names::{action, image};
 use std::ffi::CStr;
 
 /// A property of the answers.

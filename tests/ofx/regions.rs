@@ -1,10 +1,10 @@
 //! Where there is output, what it needs, and when there is nothing to do.
 
+use crate::host::api::RectI;
+use crate::host::api::names::image;
 use crate::host::profile::BOOK;
 use crate::host::{Frame, Host, Pixels, Which, feed};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::RectI;
-use pinwarp::ofx::api::names::image;
 
 #[test]
 fn identity_warps_are_announced_and_change_nothing() {

@@ -1,10 +1,10 @@
 //! Mix, matte, motion blur; weight and neighbourhood of pins.
 
+use crate::host::api::names::{action, image};
+use crate::host::api::{RectI, Status};
 use crate::host::profile::BOOK;
 use crate::host::{Frame, Host, Pixels, Which, feed};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::names::{action, image};
-use pinwarp::ofx::api::{RectI, Status};
 
 /// A matte that is white to the right of a column.
 fn matte(column: i32) -> Pixels {

@@ -1,10 +1,10 @@
 //! Proxies, pixel aspects, hosts that announce another scale than their images have.
 
+use crate::host::api::RectI;
+use crate::host::api::names::image;
 use crate::host::profile::{ALL, BOOK, MLT};
 use crate::host::{Frame, Host, Pixels, Profile, Which, feed};
 use crate::{SIZE, pull, pulled};
-use pinwarp::ofx::api::RectI;
-use pinwarp::ofx::api::names::image;
 
 /// A picture of half the size: the mean of each four pixels.
 fn half(pixels: &Pixels) -> Pixels {

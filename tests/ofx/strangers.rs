@@ -1,10 +1,10 @@
 //! Ways of hosts that others wrote: openfx-runner, pyofx, Natron.
 
+use crate::host::api::Status;
+use crate::host::api::names::{action, image};
 use crate::host::profile::{BOOK, NATRON, PYOFX, RUNNER, Regions};
 use crate::host::{Frame, Host, Pixels, Profile, Which, feed};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::Status;
-use pinwarp::ofx::api::names::{action, image};
 
 #[test]
 fn openfx_runner_is_not_asked_for_keys() {

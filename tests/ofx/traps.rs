@@ -1,9 +1,9 @@
 //! Wrong parameters and the ways of hosts: a message and a status, never a crash.
 
+use crate::host::api::names::image;
 use crate::host::profile::{BARE, BOOK, MLT, RUNNER};
 use crate::host::{Frame, Host, Pixels, Which, feed};
 use crate::{SIZE, pull, pulled};
-use pinwarp::ofx::api::names::image;
 
 #[test]
 fn non_finite_numbers_are_ignored() {

@@ -1,9 +1,9 @@
 //! What the plugin warns of: pins that miss, folds; once, in pixels, and taken back when it is over.
 
+use crate::host::api::names::{MESSAGE_MESSAGE, MESSAGE_WARNING};
 use crate::host::profile::{ALL, BOOK, RESOLVE};
 use crate::host::{Frame, Host, Node, Pixels, Which};
 use crate::{SIZE, pulled};
-use pinwarp::ofx::api::names::{MESSAGE_MESSAGE, MESSAGE_WARNING};
 
 /// 16 pins in a small square, pulled by five pixels this way and that: more than a lattice can do.
 fn torn(host: &Host, node: Node) {

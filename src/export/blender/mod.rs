@@ -18,7 +18,7 @@ const NODE_KEY: &str = "pinwarp_node";
 
 /// Contents of the script.
 #[derive(Clone, Debug)]
-pub struct BlenderScene {
+pub(crate) struct BlenderScene {
     /// Name of the .glb file beside the script.
     pub scene_file: String,
     /// Frame rate, in frames per second.
@@ -37,7 +37,7 @@ pub struct BlenderScene {
 
 /// The node of the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CameraNode {
+pub(crate) enum CameraNode {
     /// Index into [`Scene::nodes`].
     OfScene(usize),
     /// The camera node that the export adds.
@@ -46,7 +46,7 @@ pub enum CameraNode {
 
 /// A layer, and how it is exported.
 #[derive(Clone, Debug)]
-pub struct BlenderLayer {
+pub(crate) struct BlenderLayer {
     /// Name of the layer.
     pub name: String,
     /// How it is exported.
@@ -55,7 +55,7 @@ pub struct BlenderLayer {
 
 /// How a layer is exported.
 #[derive(Clone, Debug)]
-pub enum BlenderMethod {
+pub(crate) enum BlenderMethod {
     /// As a lattice object.
     Lattice(LatticeObject),
     /// As shape keys of its vertices; contains the reason.
@@ -64,7 +64,7 @@ pub enum BlenderMethod {
 
 /// A lattice placed in the scene.
 #[derive(Clone, Debug)]
-pub struct LatticeObject {
+pub(crate) struct LatticeObject {
     /// Nodes whose meshes it deforms.
     pub nodes: Vec<usize>,
     /// Number of points per axis.
@@ -77,7 +77,7 @@ pub struct LatticeObject {
 
 /// The interpolation types of Blender that match our bases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LatticeBlend {
+pub(crate) enum LatticeBlend {
     /// Uniform cubic B-spline.
     Bspline,
     /// Trilinear cells.
@@ -86,7 +86,7 @@ pub enum LatticeBlend {
 
 /// A lattice at one frame.
 #[derive(Clone, Debug)]
-pub struct LatticePose {
+pub(crate) struct LatticePose {
     /// Frame of the shot.
     pub frame: i32,
     /// scene_from_lattice; points rest evenly between −1/2 and 1/2 on each axis that has more than one.
@@ -102,7 +102,7 @@ pub(crate) fn nominal_rate(rate: f64) -> f64 {
 }
 
 /// Stores its number in every node of a file, so that the script finds the objects whatever their names.
-pub fn number_nodes(packed: &mut Packed, scene: &Scene) {
+pub(crate) fn number_nodes(packed: &mut Packed, scene: &Scene) {
     for (number, &place) in scene.file_from_scene.iter().enumerate() {
         let node = &mut packed.json["nodes"][place];
         if !node["extras"].is_object() {
@@ -114,7 +114,7 @@ pub fn number_nodes(packed: &mut Packed, scene: &Scene) {
 
 /// Returns the text of the script.
 #[must_use]
-pub fn script(scene: &BlenderScene) -> String {
+pub(crate) fn script(scene: &BlenderScene) -> String {
     let told = scene.layers.iter().map(|layer| match &layer.method {
         BlenderMethod::Lattice(lattice) => {
             let [x, y, z] = lattice.dims;

@@ -17,16 +17,16 @@ pub struct BakedScene<'a> {
     /// One per frame: time in the file, in seconds, increasing, ≥ 0.
     pub times_secs: Vec<f64>,
     /// Animation of the nodes.
-    pub motion: NodeMotion,
+    pub(crate) motion: NodeMotion,
     /// Nodes whose meshes are deformed.
     pub nodes: Vec<BakedNode>,
     /// A camera to add to the file.
-    pub camera: Option<AddedCamera>,
+    pub(crate) camera: Option<AddedCamera>,
 }
 
 /// Animation of the nodes of an exported scene.
 #[derive(Clone, Debug)]
-pub enum NodeMotion {
+pub(crate) enum NodeMotion {
     /// The keys of the clip, shifted in time.
     Keys {
         /// Shift in seconds, ≥ 0.
@@ -38,7 +38,7 @@ pub enum NodeMotion {
 
 /// The transform of an animated node, frame by frame.
 #[derive(Clone, Debug)]
-pub struct SampledNode {
+pub(crate) struct SampledNode {
     /// Index into [`Scene::nodes`].
     pub node: usize,
     /// One per frame.
@@ -84,7 +84,7 @@ pub struct BakedShape {
 
 /// A camera to add to the file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AddedCamera {
+pub(crate) struct AddedCamera {
     /// Placement of the camera, which looks along −z.
     pub scene_from_camera: Mat4,
     /// Lens of the camera.

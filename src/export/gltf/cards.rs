@@ -14,7 +14,7 @@ const FAR: f32 = 100.0;
 /// Returns the file of a scene made by `scene::picture_cards`; nodes keep their numbers. `pictures`: one per
 /// mesh, a PNG file of the whole frame.
 #[must_use]
-pub fn packed_cards(scene: &Scene, aspect: f64, pictures: &[Vec<u8>]) -> Packed {
+pub(crate) fn packed_cards(scene: &Scene, aspect: f64, pictures: &[Vec<u8>]) -> Packed {
     let json = json!({
         "asset": { "version": "2.0", "generator": GENERATOR },
         "scene": 0,

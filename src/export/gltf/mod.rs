@@ -8,9 +8,10 @@ mod cards;
 mod clip;
 mod mesh;
 
-pub use baked::{AddedCamera, BakedNode, BakedPart, BakedScene, BakedShape, NodeMotion, SampledNode};
+pub(crate) use baked::{AddedCamera, NodeMotion, SampledNode};
+pub use baked::{BakedNode, BakedPart, BakedScene, BakedShape};
 
-pub use cards::packed_cards;
+pub(crate) use cards::packed_cards;
 
 use super::ExportError;
 use crate::files::GENERATOR;
@@ -69,7 +70,7 @@ fn add_camera(json: &mut Value, camera: &AddedCamera) -> usize {
 ///
 /// # Errors
 /// As [`glb`].
-pub fn packed_glb(packed: Packed) -> Result<Vec<u8>, ExportError> {
+pub(crate) fn packed_glb(packed: Packed) -> Result<Vec<u8>, ExportError> {
     container(packed)
 }
 

@@ -15,7 +15,7 @@ use std::fmt::Write;
 
 /// Contents of the script.
 #[derive(Clone, Debug)]
-pub struct NukeScene<'a> {
+pub(crate) struct NukeScene<'a> {
     /// The lattices; those in scene space are skipped.
     pub lattices: &'a LatticeFile,
     /// The STMap sequence, relative to the script: `out.stmap.####.exr`.
@@ -37,7 +37,7 @@ const HEAD: &str = "\
 
 /// Returns the text of the script.
 #[must_use]
-pub fn script(scene: &NukeScene<'_>) -> String {
+pub(crate) fn script(scene: &NukeScene<'_>) -> String {
     let [first, last] = scene.frames;
     let FrameSize { width, height, pixel_aspect } = scene.size;
     let format = format!("\"{width} {height} 0 0 {width} {height} {pixel_aspect} pinwarp\"");

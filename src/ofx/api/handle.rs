@@ -10,15 +10,15 @@ macro_rules! handles {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(transparent)]
-        pub struct $name(pub *mut c_void);
+        pub(crate) struct $name(pub *mut c_void);
 
         impl $name {
             /// The null handle.
-            pub const NULL: Self = Self(std::ptr::null_mut());
+            pub(crate) const NULL: Self = Self(std::ptr::null_mut());
 
             /// Returns whether the handle is null.
             #[must_use]
-            pub fn is_null(self) -> bool {
+            pub(crate) fn is_null(self) -> bool {
                 self.0.is_null()
             }
         }

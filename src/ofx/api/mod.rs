@@ -1,5 +1,5 @@
 //! The part of the OpenFX C API that this plugin and its test host use: handles, struct layouts, names and status
-//! codes.
+//! codes. The test host includes these files, as it knows the plugin by its C functions only.
 //!
 //! In: nothing. Out: declarations only; no code runs here.
 //!
@@ -8,17 +8,17 @@
 //! ours.
 
 mod handle;
-pub mod names;
+pub(crate) mod names;
 mod plugin;
 mod status;
 mod suites;
 
-pub use handle::{
+pub(crate) use handle::{
     ClipHandle, DrawContextHandle, EffectHandle, InteractHandle, MemoryHandle, ParamHandle, ParamSetHandle, PropertySet,
 };
-pub use plugin::{EntryPoint, Host, Plugin, PointD, RangeD, RectD, RectI, RgbaColour};
-pub use status::Status;
-pub(crate) use suites::Message;
-pub use suites::{
-    DrawSuiteV1, ImageEffectSuiteV1, InteractSuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1, PropertySuiteV1,
+pub(crate) use plugin::{EntryPoint, Host, Plugin, PointD, RangeD, RectD, RectI, RgbaColour};
+pub(crate) use status::Status;
+pub(crate) use suites::{
+    DrawSuiteV1, ImageEffectSuiteV1, InteractSuiteV1, Message, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1,
+    PropertySuiteV1,
 };

@@ -11,39 +11,39 @@ use std::mem::offset_of;
 #[repr(C)]
 pub struct Host {
     /// Properties of the host: name, version, capabilities.
-    pub properties: PropertySet,
+    pub(crate) properties: PropertySet,
     /// Fetches a suite by name and version; null if the host does not have it.
-    pub fetch_suite: Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int) -> *const c_void>,
+    pub(crate) fetch_suite: Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int) -> *const c_void>,
 }
 
 /// The entry point for actions. Arguments: the action's name, its handle (null for load and unload), its in and out
 /// arguments (either may be null).
-pub type EntryPoint = unsafe extern "C" fn(*const c_char, *const c_void, PropertySet, PropertySet) -> Status;
+pub(crate) type EntryPoint = unsafe extern "C" fn(*const c_char, *const c_void, PropertySet, PropertySet) -> Status;
 
 /// What a plugin declares about itself before any action is called.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Plugin {
     /// The name of its API: [`super::names::IMAGE_EFFECT_API`].
-    pub api: *const c_char,
+    pub(crate) api: *const c_char,
     /// Version of that API: 1.
-    pub api_version: c_int,
+    pub(crate) api_version: c_int,
     /// The identifier under which hosts and project files refer to it; never changes.
-    pub identifier: *const c_char,
+    pub(crate) identifier: *const c_char,
     /// Major version: raised when existing projects would render differently.
-    pub version_major: c_uint,
+    pub(crate) version_major: c_uint,
     /// Minor version: raised by compatible changes.
-    pub version_minor: c_uint,
+    pub(crate) version_minor: c_uint,
     /// Receives the host structure; called before any action.
-    pub set_host: Option<unsafe extern "C" fn(*const Host)>,
+    pub(crate) set_host: Option<unsafe extern "C" fn(*const Host)>,
     /// Receives all actions.
-    pub main_entry: Option<EntryPoint>,
+    pub(crate) main_entry: Option<EntryPoint>,
 }
 
 /// A rectangle of integer pixels, y up: `x1 <= x < x2`, `y1 <= y < y2`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
-pub struct RectI {
+pub(crate) struct RectI {
     /// The left column.
     pub x1: c_int,
     /// The bottom row.
@@ -57,7 +57,7 @@ pub struct RectI {
 /// A rectangle in canonical coordinates (y up, square pixels at full size).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
-pub struct RectD {
+pub(crate) struct RectD {
     /// Left edge.
     pub x1: f64,
     /// Lower edge.
@@ -71,7 +71,7 @@ pub struct RectD {
 /// A point in canonical coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
-pub struct PointD {
+pub(crate) struct PointD {
     /// The x coordinate, to the right.
     pub x: f64,
     /// The y coordinate, upwards.
@@ -81,7 +81,7 @@ pub struct PointD {
 /// A range of times or values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
-pub struct RangeD {
+pub(crate) struct RangeD {
     /// The lower end.
     pub min: f64,
     /// The upper end.
@@ -91,7 +91,7 @@ pub struct RangeD {
 /// A colour of the Draw suite, each component 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
-pub struct RgbaColour {
+pub(crate) struct RgbaColour {
     /// Red.
     pub r: f32,
     /// Green.

@@ -11,33 +11,33 @@ pub struct Status(pub c_int);
 
 impl Status {
     /// Success; from an action: it was handled.
-    pub const OK: Self = Self(0);
+    pub(crate) const OK: Self = Self(0);
     /// The call failed for an unspecified reason.
-    pub const FAILED: Self = Self(1);
+    pub(crate) const FAILED: Self = Self(1);
     /// The object is unknown.
-    pub const ERR_UNKNOWN: Self = Self(3);
+    pub(crate) const ERR_UNKNOWN: Self = Self(3);
     /// The host lacks a feature that the plugin requires.
     pub(crate) const ERR_MISSING_HOST_FEATURE: Self = Self(4);
     /// The feature is known but not supported.
-    pub const ERR_UNSUPPORTED: Self = Self(5);
+    pub(crate) const ERR_UNSUPPORTED: Self = Self(5);
     /// The object already exists.
-    pub const ERR_EXISTS: Self = Self(6);
+    pub(crate) const ERR_EXISTS: Self = Self(6);
     /// Out of memory.
-    pub const ERR_MEMORY: Self = Self(8);
+    pub(crate) const ERR_MEMORY: Self = Self(8);
     /// The handle is invalid or of the wrong type.
-    pub const ERR_BAD_HANDLE: Self = Self(9);
+    pub(crate) const ERR_BAD_HANDLE: Self = Self(9);
     /// The index is out of range.
-    pub const ERR_BAD_INDEX: Self = Self(10);
+    pub(crate) const ERR_BAD_INDEX: Self = Self(10);
     /// The value is invalid.
-    pub const ERR_VALUE: Self = Self(11);
+    pub(crate) const ERR_VALUE: Self = Self(11);
     /// The action was not handled: the host takes its default.
-    pub const REPLY_DEFAULT: Self = Self(14);
+    pub(crate) const REPLY_DEFAULT: Self = Self(14);
     /// The image's format is not supported (image effect API).
     pub(crate) const ERR_IMAGE_FORMAT: Self = Self(1000);
 
     /// Returns whether this is [`Self::OK`].
     #[must_use]
-    pub fn is_ok(self) -> bool {
+    pub(crate) fn is_ok(self) -> bool {
         self == Self::OK
     }
 }

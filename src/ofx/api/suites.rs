@@ -22,7 +22,7 @@ type GetOne<T> = Option<unsafe extern "C" fn(PropertySet, *const c_char, c_int, 
 /// are valid until its next call.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct PropertySuiteV1 {
+pub(crate) struct PropertySuiteV1 {
     /// Sets one pointer.
     pub set_pointer: SetOne<*mut c_void>,
     /// Sets one string; the host copies it.
@@ -64,7 +64,7 @@ pub struct PropertySuiteV1 {
 /// The Image Effect suite: effects, their clips and images.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct ImageEffectSuiteV1 {
+pub(crate) struct ImageEffectSuiteV1 {
     /// Gets the properties of an effect.
     pub get_property_set: Option<unsafe extern "C" fn(EffectHandle, *mut PropertySet) -> Status>,
     /// Gets the parameter set of an effect.
@@ -98,7 +98,7 @@ pub struct ImageEffectSuiteV1 {
 /// The Parameter suite: declaring, reading and writing parameters, keys, undo blocks.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct ParameterSuiteV1 {
+pub(crate) struct ParameterSuiteV1 {
     /// Declares a parameter: parameter set, type, name; returns its properties.
     pub define: Option<unsafe extern "C" fn(ParamSetHandle, *const c_char, *const c_char, *mut PropertySet) -> Status>,
     /// Gets a parameter by name; the last argument, for its properties, may be null.
@@ -145,7 +145,7 @@ pub(crate) type Message =
 /// The Message suite, version 1.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct MessageSuiteV1 {
+pub(crate) struct MessageSuiteV1 {
     /// Shows a message.
     pub message: Message,
 }
@@ -154,7 +154,7 @@ pub struct MessageSuiteV1 {
 /// process when it is requested.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct MessageSuiteV2 {
+pub(crate) struct MessageSuiteV2 {
     /// Shows a message.
     pub message: Message,
     /// Sets a persistent message at an instance.
@@ -176,7 +176,7 @@ pub(crate) struct MemorySuiteV1 {
 /// The Interact suite.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct InteractSuiteV1 {
+pub(crate) struct InteractSuiteV1 {
     /// Swaps the OpenGL buffers (custom parameter widgets only).
     pub swap_buffers: Option<unsafe extern "C" fn(InteractHandle) -> Status>,
     /// Requests a redraw.
@@ -188,7 +188,7 @@ pub struct InteractSuiteV1 {
 /// The Draw suite: drawing without OpenGL (API 1.5).
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct DrawSuiteV1 {
+pub(crate) struct DrawSuiteV1 {
     /// Gets one of the host's standard colours (see `names::draw`).
     pub get_colour: Option<unsafe extern "C" fn(DrawContextHandle, c_int, *mut RgbaColour) -> Status>,
     /// Sets the current colour.

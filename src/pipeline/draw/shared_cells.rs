@@ -2,7 +2,7 @@
 //!
 //! In: a layer and its solved state. Out: a warning for the worst pair.
 
-use crate::lattice::{Grid, MAX_HANDLES_IN_ALL};
+use crate::lattice::{Grid, MAX_HANDLES, MAX_HANDLES_IN_ALL};
 use crate::pipeline::evaluate::part_triangle_ranges::held_triangle;
 use crate::pipeline::evaluate::topology::branching_remedy;
 use crate::pipeline::prepare::auto_dims::SCENE_HANDLES;
@@ -26,9 +26,6 @@ const STRETCH: f64 = 2.5;
 
 /// Relative displacement below which a pair is not reported, pixels.
 const MIN_PX: f64 = 4.0;
-
-/// Maximum number of handles along an axis.
-const MAX_SIDE: usize = 64;
 
 /// Two pins on the screen.
 struct Pair<'a> {
@@ -57,7 +54,7 @@ pub(in crate::pipeline) fn warning(
     let [one, other] = worst.pins.map(|pin| &layer.pins[pin.pin].name);
     let apart_px = difference(worst.pins).length() * height_px;
     let finer = dims.map(|count| ((count as f64 * 2.0 * APART_CELLS / worst.cells).ceil() as usize).max(count + 1));
-    let is_possible = finer.iter().all(|&count| count <= MAX_SIDE) && finer[0] * finer[1] <= MAX_HANDLES_IN_ALL;
+    let is_possible = finer.iter().all(|&count| count <= MAX_HANDLES) && finer[0] * finer[1] <= MAX_HANDLES_IN_ALL;
     let remedy = if is_possible {
         format!("give the lattice more handles (dims = [{}, {}])", finer[0], finer[1])
     } else {

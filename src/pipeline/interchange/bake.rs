@@ -68,7 +68,7 @@ impl PreparedShot {
     }
 
     /// Removes all meshes that do not belong to a layer from the packed file of the scene.
-    pub fn hide_all_but(&self, layer: usize, packed: &mut Packed) {
+    pub(crate) fn hide_all_but(&self, layer: usize, packed: &mut Packed) {
         let own = &self.assignment.parts_of_layer[layer];
         let others = self.assignment.node_of_part.iter().enumerate().filter(|(part, _)| !own.contains(part));
         for (_, &node) in others {

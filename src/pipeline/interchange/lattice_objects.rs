@@ -29,7 +29,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
-    pub fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
+    pub(crate) fn blender_layer(&self, index: usize, frames: &[i32]) -> Result<BlenderLayer, PipelineError> {
         let name = self.shot.layers[index].name.clone();
         let method = match self.lattice_object(index, frames)? {
             Ok(lattice) => BlenderMethod::Lattice(lattice),
@@ -40,7 +40,7 @@ impl PreparedShot {
 
     /// Returns the node of the shot's camera, or that the camera is added.
     #[must_use]
-    pub fn blender_camera(&self) -> CameraNode {
+    pub(crate) fn blender_camera(&self) -> CameraNode {
         self.camera_node().map_or(CameraNode::Added, CameraNode::OfScene)
     }
 

@@ -38,7 +38,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// As [`PreparedShot::new`].
-    pub fn pictures_of(&self, layer: usize, output: PathBuf) -> Result<Option<Self>, PipelineError> {
+    pub(crate) fn pictures_of(&self, layer: usize, output: PathBuf) -> Result<Option<Self>, PipelineError> {
         if self.gallery.is_none() {
             return Ok(None);
         }

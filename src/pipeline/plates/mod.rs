@@ -24,7 +24,7 @@ mod whole_scene;
 mod write;
 
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
-pub use silhouette::Silhouette;
+pub(crate) use silhouette::Silhouette;
 pub use surface_maps::SurfaceMaps;
 
 use crate::pipeline::PipelineError;

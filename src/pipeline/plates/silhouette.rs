@@ -13,7 +13,7 @@ use crate::space::FrameSize;
 const UNCLAIMED: f32 = 0.25;
 
 /// Computes silhouettes.
-pub struct Silhouette<'a> {
+pub(crate) struct Silhouette<'a> {
     prepared: &'a PreparedShot,
     /// The only layer to include; `None`: all.
     layer: Option<usize>,
@@ -23,7 +23,7 @@ pub struct Silhouette<'a> {
 impl<'a> Silhouette<'a> {
     /// Creates the silhouette of everything, or of one layer given by its name.
     #[must_use]
-    pub fn of(prepared: &'a PreparedShot, layer: Option<&str>) -> Self {
+    pub(crate) fn of(prepared: &'a PreparedShot, layer: Option<&str>) -> Self {
         let layer = layer.and_then(|name| prepared.shot.layer_index(name));
         let scene = prepared.shot.scene().map(|_| SceneAtRest::new(prepared, &DeviceChoice::Cpu, Vec::new()));
         Self { prepared, layer, scene: scene.map(SceneAtRest::with_one_sample) }
@@ -33,7 +33,7 @@ impl<'a> Silhouette<'a> {
     ///
     /// # Errors
     /// [`PipelineError`] if the scene cannot be drawn.
-    pub fn at(&mut self, frame: i32) -> Result<Option<Coverage>, PipelineError> {
+    pub(crate) fn at(&mut self, frame: i32) -> Result<Option<Coverage>, PipelineError> {
         let size = self.prepared.shot.size;
         if let Some(scene) = &mut self.scene {
             let (drawn, _) = scene.draw(frame, (size, &[ChannelGroup::Beauty, ChannelGroup::Id]))?;
@@ -53,7 +53,11 @@ impl<'a> Silhouette<'a> {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
-    pub fn branches(&self, frame: i32, (layer, size): (&str, FrameSize)) -> Result<Option<SharedParts>, PipelineError> {
+    pub(crate) fn branches(
+        &self,
+        frame: i32,
+        (layer, size): (&str, FrameSize),
+    ) -> Result<Option<SharedParts>, PipelineError> {
         let Some(index) = self.prepared.shot.layer_index(layer) else { return Ok(None) };
         let sample = self.prepared.sample_at(f64::from(frame))?;
         let parts = self.prepared.branch_parts(index, (&sample, None), (size, Exposure::Instant));

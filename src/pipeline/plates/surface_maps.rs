@@ -63,7 +63,7 @@ impl<'a> SurfaceMaps<'a> {
     ///
     /// # Errors
     /// The errors of [`Self::backward`].
-    pub fn forward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
+    pub(crate) fn forward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
         let [unwarped, warped] = self.pictures(f64::from(frame))?;
         Ok(WarpMap::between(&unwarped, &warped, self.place.0))
     }

@@ -5,6 +5,7 @@
 
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::slenderness::Slenderness;
+use crate::lattice::MAX_HANDLES;
 use crate::pipeline::{PinAnchor, PreparedShot};
 use crate::shot::{LayerSpace, Source};
 use std::sync::PoisonError;
@@ -16,7 +17,7 @@ const SPANS_ACROSS: f64 = 2.5;
 const SPANS_BETWEEN_PINS: f64 = 2.0;
 
 /// Minimum and maximum number of handles along an axis.
-const HANDLES: [usize; 2] = [10, 64];
+const HANDLES: [usize; 2] = [10, MAX_HANDLES];
 
 /// Maximum number of handles along the longer side of a scene's layer, whose shape changes from frame to frame, so that every frame is
 /// split and factored anew.

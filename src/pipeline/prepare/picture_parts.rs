@@ -4,7 +4,8 @@
 
 use super::rest_mesh::RestMesh;
 use crate::image::{
-    ClosedRegions, Drawing, LabelMap, LineRule, NO_LABEL, PaintedMap, Plate, are_of_one_shape, flat_colors, read_any,
+    CHOSEN, ClosedRegions, Drawing, LabelMap, LineRule, NO_LABEL, OTHER, PaintedMap, Plate, are_of_one_shape,
+    flat_colors, read_any,
 };
 use crate::pipeline::PipelineError;
 use crate::pipeline::pictures::{drawing_in, drawing_of};
@@ -16,12 +17,6 @@ use std::path::Path;
 
 /// Number of places along each side of a triangle at which its part is looked up.
 const PLACES: usize = 6;
-
-/// The label of the part that a mask or points choose.
-pub(super) const CHOSEN: u32 = 1;
-
-/// The label of everything else.
-pub(super) const OTHER: u32 = 2;
 
 /// What is wrong with a cut of a picture.
 #[derive(Debug)]

@@ -5,10 +5,11 @@
 
 use super::loose_parts::joined_to_pinned;
 use super::picture_cuts::{PictureCuts, fault};
-use super::picture_parts::{CHOSEN, OTHER, parts_of_triangles};
+use super::picture_parts::parts_of_triangles;
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::screen_cut::ScreenCut;
 use super::selection::cut_off;
+use crate::image::{CHOSEN, OTHER};
 use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;

@@ -30,7 +30,11 @@ impl PreparedShot {
     /// Returns the same shot with trajectories stored in files beside the frames of `outputs` (path patterns). They are
     /// read from all of these places, and written to the first if `keeping` permits it.
     #[must_use]
-    pub fn keeping_trajectories<'a>(mut self, outputs: impl IntoIterator<Item = &'a Path>, keeping: Keeping) -> Self {
+    pub(crate) fn keeping_trajectories<'a>(
+        mut self,
+        outputs: impl IntoIterator<Item = &'a Path>,
+        keeping: Keeping,
+    ) -> Self {
         self.trajectory_files = Some(TrajectoryFiles::beside(outputs, keeping));
         self
     }

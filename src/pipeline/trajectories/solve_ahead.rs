@@ -19,7 +19,7 @@ const PROGRESS_STEPS: usize = 100;
 /// An event of a running bake.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
-pub enum BakeEvent {
+pub(crate) enum BakeEvent {
     /// Baking starts.
     Started {
         /// Number of layers solved over time.
@@ -56,7 +56,7 @@ pub enum BakeEvent {
 
 /// Report of one layer.
 #[derive(Clone, Debug, Serialize)]
-pub struct BakedLayer {
+pub(crate) struct BakedLayer {
     /// Layer name.
     pub layer: String,
     /// The file that stores the trajectory; `None` if the shot stores no trajectories.
@@ -74,7 +74,7 @@ pub struct BakedLayer {
 
 /// Summary of a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct BakeSummary {
+pub(crate) struct BakeSummary {
     /// Number of layers solved by this run.
     pub solved: usize,
     /// Number of layers whose trajectories existed.
@@ -93,7 +93,11 @@ fn lossy<S: Serializer>(path: &Option<PathBuf>, to: S) -> Result<S::Ok, S::Error
 
 /// Solves every layer with a temporal weight over the shot's range, unless its trajectory exists. `on_event` is called from
 /// several threads; `cancel` ends the bake within milliseconds, and finished trajectories are kept.
-pub fn solve_ahead(prepared: &PreparedShot, cancel: &AtomicBool, on_event: &(dyn Fn(BakeEvent) + Sync)) -> BakeSummary {
+pub(crate) fn solve_ahead(
+    prepared: &PreparedShot,
+    cancel: &AtomicBool,
+    on_event: &(dyn Fn(BakeEvent) + Sync),
+) -> BakeSummary {
     let begun = Instant::now();
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(|&index| has_trajectory(prepared, index)).collect();
     prepared.notes.iter().for_each(|text| on_event(BakeEvent::Note { text: text.clone() }));

@@ -26,7 +26,7 @@ const KEPT: usize = 4;
 
 /// Whether a run reads or also writes stored trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keeping {
+pub(crate) enum Keeping {
     /// Reads existing trajectories.
     Read,
     /// Also writes missing ones.

@@ -12,7 +12,7 @@ use std::sync::PoisonError;
 
 /// A point of the model under a brush.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BrushPoint {
+pub(crate) struct BrushPoint {
     /// The layer that moves the point.
     pub layer: usize,
     /// Its place.
@@ -23,7 +23,7 @@ pub struct BrushPoint {
 
 /// A place that a stroke paints.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PaintedPlace {
+pub(crate) struct PaintedPlace {
     /// Name of the node.
     pub node: String,
     /// Position in the scene at rest, metres; in pictures frame heights.
@@ -33,7 +33,7 @@ pub struct PaintedPlace {
 impl PreparedShot {
     /// Returns the point of the model under a brush in the warped picture; `None` where no layer's surface is seen.
     #[must_use]
-    pub fn brush_point(&self, sample: &TimeSample, at: ScreenPoint) -> Option<BrushPoint> {
+    pub(crate) fn brush_point(&self, sample: &TimeSample, at: ScreenPoint) -> Option<BrushPoint> {
         let PickedPoint { node, layer, hit, .. } = self.pick_warped(sample, at)?;
         let rest = self.cache.rest.get_or_init(|| rest_pose(&self.scene));
         let part = &rest.parts[hit.part];
@@ -46,7 +46,7 @@ impl PreparedShot {
 
     /// Returns the place on the other side of a layer at rest; `None` if the layer has no other side there.
     #[must_use]
-    pub fn mirrored_place(&self, layer: usize, place: &PaintedPlace) -> Option<PaintedPlace> {
+    pub(crate) fn mirrored_place(&self, layer: usize, place: &PaintedPlace) -> Option<PaintedPlace> {
         let rest = self.cache.rest.get_or_init(|| rest_pose(&self.scene));
         // Both take a pass over the whole layer, and a stroke asks for many points.
         let known = || self.cache.mirrors.lock().unwrap_or_else(PoisonError::into_inner);

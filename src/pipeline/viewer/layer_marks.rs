@@ -62,7 +62,7 @@ pub struct PinMark {
 
 /// Returns the marks of all warped layers of a solved frame.
 #[must_use]
-pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
+pub(crate) fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
     let marks = |(layer, state): (usize, &LayerState)| {
         let marks = LayerMarks { layer, ..LayerMarks::default() };
         let marks = match (&state.solution, &state.world) {
@@ -98,7 +98,7 @@ pub fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMar
 
 /// Returns the marks of layers that are not warped: their lattices at rest.
 #[must_use]
-pub fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
+pub(crate) fn resting_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<LayerMarks> {
     let is_resting = |(_, state): &(usize, &LayerState)| state.solution.is_none() && state.world.is_none();
     let marks = |(layer, _): (usize, &LayerState)| {
         let marks = LayerMarks { layer, ..LayerMarks::default() };

@@ -23,7 +23,7 @@ const DEFAULT_FRAMES: i32 = 24;
 
 /// The inputs of a new shot.
 #[derive(Debug)]
-pub struct NewShot {
+pub(crate) struct NewShot {
     /// Facts for the template.
     pub facts: TemplateFacts,
     /// Warnings from reading the file.
@@ -38,7 +38,7 @@ pub struct NewShot {
 ///
 /// # Errors
 /// [`PipelineError`] if the file cannot be read or is a sequence.
-pub fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineError> {
+pub(crate) fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, PipelineError> {
     // Files without a picture's extension are read as scenes, whose reader reports unsupported types.
     if PictureKind::of(path).is_some() {
         return Ok(NewShot {
@@ -150,7 +150,7 @@ impl<'a> Hung<'a> {
 ///
 /// # Errors
 /// [`PipelineError`] if the folder or the file does not exist.
-pub fn path_between(folder: &Path, file: &Path) -> Result<PathBuf, PipelineError> {
+pub(crate) fn path_between(folder: &Path, file: &Path) -> Result<PathBuf, PipelineError> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let folder = folder.canonicalize().map_err(|_| PipelineError::Unusable {
         what: format!("the folder {} of the shot file is not there", folder.display()),

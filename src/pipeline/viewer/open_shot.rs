@@ -53,7 +53,7 @@ impl OpenShot {
     ///
     /// # Errors
     /// As [`PreparedShot::new`].
-    pub fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
+    pub(crate) fn with_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
         Ok(Self { given: shot.clone(), prepared: PreparedShot::with_own_scene(colour_only(shot), scene)? })
     }
 
@@ -64,7 +64,7 @@ impl OpenShot {
     }
 
     /// Returns the names of all nodes with meshes, in scene order, and whether the shot hides them.
-    pub fn drawn_nodes(&self) -> impl Iterator<Item = (&str, bool)> {
+    pub(crate) fn drawn_nodes(&self) -> impl Iterator<Item = (&str, bool)> {
         let hidden = &self.prepared.draw_inputs.hidden_nodes;
         let nodes = self.prepared.scene.nodes.iter().enumerate();
         nodes
@@ -74,7 +74,7 @@ impl OpenShot {
 
     /// Returns the shot as given last.
     #[must_use]
-    pub const fn given(&self) -> &Shot {
+    pub(crate) const fn given(&self) -> &Shot {
         &self.given
     }
 

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 /// A point of the model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PickedPoint {
+pub(crate) struct PickedPoint {
     /// Anchor for a pin at this point.
     pub anchor: Anchor,
     /// Name of the node.
@@ -27,7 +27,7 @@ pub struct PickedPoint {
 impl PreparedShot {
     /// Returns the front-most point of the unwarped model.
     #[must_use]
-    pub fn pick(&self, frame: i32, at: ScreenPoint) -> Option<PickedPoint> {
+    pub(crate) fn pick(&self, frame: i32, at: ScreenPoint) -> Option<PickedPoint> {
         let (pose, camera) = self.view(f64::from(frame));
         let mesh = screen::project(&pose, &camera);
         self.pick_in(&pose, &mesh, (camera.near(), at))
@@ -35,7 +35,7 @@ impl PreparedShot {
 
     /// Returns the front-most point of the model as warped in a solved sample.
     #[must_use]
-    pub fn pick_warped(&self, sample: &TimeSample, at: ScreenPoint) -> Option<PickedPoint> {
+    pub(crate) fn pick_warped(&self, sample: &TimeSample, at: ScreenPoint) -> Option<PickedPoint> {
         let (mesh, near) = (sample.mesh(), sample.camera.near());
         let mut found = Vec::new();
         for (layer, state) in sample.layers.iter().enumerate() {

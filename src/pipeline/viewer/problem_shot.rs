@@ -33,7 +33,7 @@ const GREY: [u8; 3] = [190, 178, 160];
 
 /// A problem as a scene and a shot.
 #[derive(Clone, Debug)]
-pub struct ProblemShot {
+pub(crate) struct ProblemShot {
     /// The scene, a .glb file.
     pub glb: Vec<u8>,
     /// The text of the shot, which names the scene as it was asked for.
@@ -44,7 +44,7 @@ pub struct ProblemShot {
 ///
 /// # Errors
 /// [`PipelineError::Unusable`] if it is no problem file, or not a mesh of triangles.
-pub fn problem_shot(path: &Path, scene: &str) -> Result<ProblemShot, PipelineError> {
+pub(crate) fn problem_shot(path: &Path, scene: &str) -> Result<ProblemShot, PipelineError> {
     let unusable = |what: String, hint: &str| PipelineError::Unusable { what, hint: hint.to_owned() };
     let hint = "open a problem file as `pinwarp solve` reads it, or a shot, scene or picture";
     let figures = read_figure(path).map_err(|error| unusable(error.to_string(), hint))?;

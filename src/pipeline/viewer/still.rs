@@ -14,7 +14,7 @@ use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
 use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
 use crate::plate::{LayerJob, PlateJob, warp_plate};
-pub use crate::raster::geometry::IsCancelled;
+use crate::raster::geometry::IsCancelled;
 use crate::raster::geometry::KeptParts;
 use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
 use crate::shot::{LayerSpace, Source};
@@ -23,7 +23,7 @@ use crate::space::FrameSize;
 use glam::Vec2;
 
 /// A device that draws frames and can be sent between threads.
-pub type Device = dyn Raster + Send + 'static;
+pub(crate) type Device = dyn Raster + Send + 'static;
 
 impl PreparedShot {
     /// Returns the solved sample shown by a frame, without waiting for trajectories. Layers whose trajectory is not
@@ -31,7 +31,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
-    pub fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
+    pub(crate) fn provisional(&self, frame: i32) -> Result<TimeSample, PipelineError> {
         self.provisional_without(frame, &[])
     }
 
@@ -73,7 +73,7 @@ impl PreparedShot {
 
     /// Whether the trajectories of all layers that have one are solved.
     #[must_use]
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         (0..self.shot.layers.len()).all(|index| !has_trajectory(self, index) || self.is_solved_over_time(index))
     }
 
@@ -81,7 +81,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError`] if a layer cannot be solved.
-    pub fn solve_trajectories(
+    pub(crate) fn solve_trajectories(
         &self,
         is_cancelled: &IsCancelled,
         progress: &(dyn Fn(f64) + Sync),
@@ -109,14 +109,14 @@ impl PreparedShot {
 
     /// Whether a device draws the shot; pictures and plates are warped instead.
     #[must_use]
-    pub fn needs_raster(&self) -> bool {
+    pub(crate) fn needs_raster(&self) -> bool {
         matches!(self.shot.source, Source::Scene(_))
     }
 
     /// Returns the parts that stay the same while only these layers move; none if a layer of the scene is among them, which may
     /// displace the parts of all others.
     #[must_use]
-    pub fn parts_at_rest(&self, moved: &[usize]) -> KeptParts {
+    pub(crate) fn parts_at_rest(&self, moved: &[usize]) -> KeptParts {
         let mut is_kept = vec![true; self.assignment.layer_of_part.len()];
         for &layer in moved {
             match self.shot.layers[layer].space {
@@ -133,7 +133,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError`] if drawing fails.
-    pub fn draft(
+    pub(crate) fn draft(
         &self,
         device: Option<&mut Device>,
         (sample, kept): (&TimeSample, &KeptParts),
@@ -163,7 +163,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError`] if the frame cannot be solved or drawn.
-    pub fn finished(
+    pub(crate) fn finished(
         &self,
         device: Option<&mut Device>,
         frame: i32,

@@ -66,14 +66,14 @@ pub(super) struct BuiltPart {
 
 /// Parts that stay the same from one assembly of a time to the next; they are built once.
 #[derive(Debug, Default)]
-pub struct KeptParts {
+pub(crate) struct KeptParts {
     /// #parts: the built part; `None` for parts that are built again each time.
     pub(super) parts: Vec<Option<OnceLock<BuiltPart>>>,
 }
 
 impl KeptParts {
     /// `is_kept`: #parts, whether a part stays the same.
-    pub fn new(is_kept: impl IntoIterator<Item = bool>) -> Self {
+    pub(crate) fn new(is_kept: impl IntoIterator<Item = bool>) -> Self {
         Self { parts: is_kept.into_iter().map(|is_kept| is_kept.then(OnceLock::new)).collect() }
     }
 }

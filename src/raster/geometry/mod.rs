@@ -13,7 +13,8 @@ mod sort;
 mod split;
 mod vertex;
 
-pub use assembly::{Assembly, KeptParts, PosedScene, Submesh};
+pub(crate) use assembly::KeptParts;
+pub use assembly::{Assembly, PosedScene, Submesh};
 pub(crate) use part_warp::PartPoint;
 pub use part_warp::{BranchWarp, PartWarp, WarpBlend};
 
@@ -31,7 +32,7 @@ pub(crate) use vertex::vertex_triangles;
 use vertex::{ClipVertex, DepthRange, VertexList};
 
 /// Polled for cancellation; returns true once the result is no longer wanted.
-pub type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
+pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// Number of vertices between two polls.
 const POLLED: u32 = 65_536;

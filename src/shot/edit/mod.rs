@@ -18,19 +18,20 @@ mod text;
 pub use block::pin_block;
 #[cfg(feature = "editor")]
 pub(crate) use channel_keys::{put_rotate_keys, put_scale_keys};
-pub use filter::put_filter;
+pub(crate) use filter::put_filter;
 pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 #[cfg(feature = "editor")]
 pub(crate) use paths::put_paths;
-pub use pin::{PinName, put_handle, put_keys, put_region, remove_pin};
+pub(crate) use pin::{PinName, put_handle, put_keys, put_region, remove_pin};
 #[cfg(feature = "editor")]
 pub(crate) use rename::rename_layer;
-pub use rename::rename_pin;
-pub use setting::{
-    Setting, add_layer, layer_number, move_layer, put_layer_setting, put_pin_setting, put_setting, remove_layer,
+pub(crate) use rename::rename_pin;
+pub use setting::Setting;
+pub(crate) use setting::{
+    add_layer, layer_number, move_layer, put_layer_setting, put_pin_setting, put_setting, remove_layer,
 };
 
-pub use stroke::{add_stroke, remove_strokes};
+pub(crate) use stroke::{add_stroke, remove_strokes};
 
 use super::{Anchor, ShotError};
 use block::{Digits, NewPin, anchor_table, resting};
@@ -76,17 +77,9 @@ pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> 
 
 /// Appends a pin that follows the pin `at` with mirrored keys, attached to the mirrored point.
 ///
-/// ```
-/// use pinwarp::shot::edit;
-/// let text = "[[layer]]\nname = 'body'\n[[layer.pin]]\nname = 'hand.L'\nanchor = { screen = [0.5, 0.5], frame = 1 }\n";
-/// let edited = edit::mirror_pin(text, edit::PinName { layer: "body", pin: "hand.L" }, "hand.R")?;
-/// assert!(edited.contains("name   = \"hand.R\"\nmirror = \"hand.L\""), "{edited}");
-/// # Ok::<(), pinwarp::shot::ShotError>(())
-/// ```
-///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, has no such pin, or a pin named `name` in its layer.
-pub fn mirror_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
+pub(crate) fn mirror_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
     pin::edit_layer(text, at.layer, at.pin, |layer| {
         let not_tables = || fault(name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
         let pins = layer.get_mut("pin").ok_or_else(not_tables)?;
@@ -221,4 +214,17 @@ fn append_pin(list: &mut Item, pin: &NewPin) -> Option<()> {
         _ => return None,
     }
     Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_mirrored_pin_names_the_one_it_follows() -> Result<(), crate::shot::ShotError> {
+        use crate::shot::edit;
+        let text =
+            "[[layer]]\nname = 'body'\n[[layer.pin]]\nname = 'hand.L'\nanchor = { screen = [0.5, 0.5], frame = 1 }\n";
+        let edited = edit::mirror_pin(text, edit::PinName { layer: "body", pin: "hand.L" }, "hand.R")?;
+        assert!(edited.contains("name   = \"hand.R\"\nmirror = \"hand.L\""), "{edited}");
+        Ok(())
+    }
 }

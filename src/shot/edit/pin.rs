@@ -12,7 +12,7 @@ use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value
 
 /// A pin, identified by the names of layer and pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PinName<'a> {
+pub(crate) struct PinName<'a> {
     /// Its layer.
     pub layer: &'a str,
     /// Its name in that layer.
@@ -21,19 +21,9 @@ pub struct PinName<'a> {
 
 /// Sets the keys of a pin, in frame heights.
 ///
-/// ```
-/// use pinwarp::shot::{Ease, Goal, PinKey, edit};
-/// use pinwarp::space::ScreenVector;
-/// let text = "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p'\nkeys = [ { frame = 1, offset = [0, 0] } ] # mine\n";
-/// let key = PinKey { frame: 1.0, goal: Goal::Offset(ScreenVector::new(0.5, 0.0)), rotate_degrees: None, scale: None, ease: Ease::Linear };
-/// let edited = edit::put_keys(text, edit::PinName { layer: "a", pin: "p" }, &[key])?;
-/// assert!(edited.contains("keys = [ { frame = 1, offset = [0.5, 0.0] } ] # mine"), "{edited}");
-/// # Ok::<(), pinwarp::shot::ShotError>(())
-/// ```
-///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML or has no such pin.
-pub fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, ShotError> {
+pub(crate) fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, ShotError> {
     edit_pin(text, at, |pin| {
         let new: Vec<(f64, InlineTable)> = keys.iter().map(|key| (key.frame, key_table(key))).collect();
         put_key_tables(pin, "keys", &new);
@@ -44,7 +34,7 @@ pub fn put_keys(text: &str, at: PinName, keys: &[PinKey]) -> Result<String, Shot
 ///
 /// # Errors
 /// As [`put_keys`].
-pub fn put_region(text: &str, at: PinName, region: Option<PinRegion>) -> Result<String, ShotError> {
+pub(crate) fn put_region(text: &str, at: PinName, region: Option<PinRegion>) -> Result<String, ShotError> {
     edit_pin(text, at, |pin| match region {
         None => _ = pin.remove("region"),
         Some(PinRegion { radius, rigidity, stiffness }) => {
@@ -61,7 +51,7 @@ pub fn put_region(text: &str, at: PinName, region: Option<PinRegion>) -> Result<
 ///
 /// # Errors
 /// As [`put_keys`].
-pub fn remove_pin(text: &str, at: PinName) -> Result<String, ShotError> {
+pub(crate) fn remove_pin(text: &str, at: PinName) -> Result<String, ShotError> {
     edit_layer(text, at.layer, at.pin, |layer| {
         let pins = layer.get_mut("pin").ok_or_else(|| missing(at.pin))?;
         let names = tables(pins).unwrap_or_default();
@@ -75,7 +65,7 @@ pub fn remove_pin(text: &str, at: PinName) -> Result<String, ShotError> {
 ///
 /// # Errors
 /// As [`put_keys`].
-pub fn put_handle(text: &str, layer: &str, index: &[usize], keys: &[HandleKey]) -> Result<String, ShotError> {
+pub(crate) fn put_handle(text: &str, layer: &str, index: &[usize], keys: &[HandleKey]) -> Result<String, ShotError> {
     edit_layer(text, layer, "handle", |layer| {
         let handles = layer.entry("handle").or_insert_with(no_tables);
         let is_this = |table: &&mut dyn TableLike| -> bool {
@@ -269,5 +259,26 @@ fn means_same(a: &Value, b: &Value) -> bool {
         }
         _ if number(a).is_some() => number(a) == number(b),
         _ => a.as_str().is_some() && a.as_str() == b.as_str() || a.as_bool().is_some() && a.as_bool() == b.as_bool(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn keys_are_replaced_in_place() -> Result<(), crate::shot::ShotError> {
+        use crate::shot::{Ease, Goal, PinKey, edit};
+        use crate::space::ScreenVector;
+        let text =
+            "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p'\nkeys = [ { frame = 1, offset = [0, 0] } ] # mine\n";
+        let key = PinKey {
+            frame: 1.0,
+            goal: Goal::Offset(ScreenVector::new(0.5, 0.0)),
+            rotate_degrees: None,
+            scale: None,
+            ease: Ease::Linear,
+        };
+        let edited = edit::put_keys(text, edit::PinName { layer: "a", pin: "p" }, &[key])?;
+        assert!(edited.contains("keys = [ { frame = 1, offset = [0.5, 0.0] } ] # mine"), "{edited}");
+        Ok(())
     }
 }

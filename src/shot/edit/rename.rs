@@ -13,7 +13,7 @@ use toml_edit::Item;
 ///
 /// # Errors
 /// As [`put_keys`](super::put_keys), and if the name is empty.
-pub fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
+pub(crate) fn rename_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
     edit_layers(text, (at.pin, name), |layers| {
         let layer = find(layers, Some(at.layer), "layer").map_err(|(what, hint)| fault(at.pin, &what, &hint))?;
         let pins = layer.get_mut("pin").ok_or_else(|| missing(at.pin))?;

@@ -44,17 +44,9 @@ impl Setting {
 
 /// Sets a value of the shot: a key, or a key in a table, such as `["frames", "last"]`.
 ///
-/// ```
-/// use pinwarp::shot::edit::{Setting, put_setting};
-/// let text = "frames = { first = 1, last = 24 } # all\n";
-/// let edited = put_setting(text, &["frames", "last"], &Setting::Whole(48))?;
-/// assert_eq!(edited, "frames = { first = 1, last = 48 } # all\n");
-/// # Ok::<(), pinwarp::shot::ShotError>(())
-/// ```
-///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, or a parent of the key is not a table.
-pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
+pub(crate) fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     let name = key.join(".");
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(&name, &what, hint))?;
     put(text.document.as_table_mut(), key, setting).ok_or_else(|| not_table(&name))?;
@@ -65,25 +57,15 @@ pub fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result<String
 ///
 /// # Errors
 /// As [`put_setting`], and if there is no such layer.
-pub fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
+pub(crate) fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| put(table, key, setting).ok_or_else(|| not_table(&key.join("."))))
 }
 
 /// Sets a single value of a pin: `weight`, `mute`.
 ///
-/// ```
-/// use pinwarp::shot::edit::{PinName, Setting, put_pin_setting};
-/// let text = "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p' # mine\n";
-/// let at = PinName { layer: "a", pin: "p" };
-/// let edited = put_pin_setting(text, at, "mute", &Setting::Flag(true))?;
-/// assert_eq!(edited, "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p' # mine\nmute = true\n");
-/// assert_eq!(put_pin_setting(&edited, at, "mute", &Setting::Default)?, text);
-/// # Ok::<(), pinwarp::shot::ShotError>(())
-/// ```
-///
 /// # Errors
 /// As [`put_setting`], and if there is no such pin.
-pub fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Setting) -> Result<String, ShotError> {
+pub(crate) fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Setting) -> Result<String, ShotError> {
     edit_pin(text, at, |pin| match setting.value() {
         Some(value) => replace(pin, key, value),
         None => _ = pin.remove(key),
@@ -92,7 +74,7 @@ pub fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Setting) ->
 
 /// Returns a number in a layer's table; `None` if it is not set.
 #[must_use]
-pub fn layer_number(text: &str, layer: &str, key: &[&str]) -> Option<f64> {
+pub(crate) fn layer_number(text: &str, layer: &str, key: &[&str]) -> Option<f64> {
     let mut text = EditableText::parse(text).ok()?;
     let table = find(text.document.get_mut("layer")?, Some(layer), "layer").ok()?;
     let (first, rest) = key.split_first()?;
@@ -119,7 +101,7 @@ fn put(table: &mut dyn TableLike, key: &[&str], setting: &Setting) -> Option<()>
 ///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, or its layers are not a list of tables.
-pub fn add_layer(text: &str, name: &str, nodes: &[String]) -> Result<String, ShotError> {
+pub(crate) fn add_layer(text: &str, name: &str, nodes: &[String]) -> Result<String, ShotError> {
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
     let layers = text.document.entry("layer").or_insert_with(no_tables);
     let mut table = Table::new();
@@ -142,7 +124,7 @@ pub fn add_layer(text: &str, name: &str, nodes: &[String]) -> Result<String, Sho
 ///
 /// # Errors
 /// As [`add_layer`], and if there is no such layer.
-pub fn remove_layer(text: &str, name: &str) -> Result<String, ShotError> {
+pub(crate) fn remove_layer(text: &str, name: &str) -> Result<String, ShotError> {
     reorder(text, name, |order, at| _ = order.remove(at))
 }
 
@@ -150,7 +132,7 @@ pub fn remove_layer(text: &str, name: &str) -> Result<String, ShotError> {
 ///
 /// # Errors
 /// As [`remove_layer`].
-pub fn move_layer(text: &str, name: &str, to: usize) -> Result<String, ShotError> {
+pub(crate) fn move_layer(text: &str, name: &str, to: usize) -> Result<String, ShotError> {
     reorder(text, name, |order, at| {
         let layer = order.remove(at);
         order.insert(to.min(order.len()), layer);
@@ -201,5 +183,28 @@ fn shift(table: &mut Table, place: Option<isize>) {
             Item::ArrayOfTables(tables) => tables.iter_mut().for_each(|table| shift(table, place)),
             _ => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_setting_is_replaced_in_place() -> Result<(), crate::shot::ShotError> {
+        use crate::shot::edit::{Setting, put_setting};
+        let text = "frames = { first = 1, last = 24 } # all\n";
+        let edited = put_setting(text, &["frames", "last"], &Setting::Whole(48))?;
+        assert_eq!(edited, "frames = { first = 1, last = 48 } # all\n");
+        Ok(())
+    }
+
+    #[test]
+    fn a_setting_of_a_pin_is_added_and_removed() -> Result<(), crate::shot::ShotError> {
+        use crate::shot::edit::{PinName, Setting, put_pin_setting};
+        let text = "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p' # mine\n";
+        let at = PinName { layer: "a", pin: "p" };
+        let edited = put_pin_setting(text, at, "mute", &Setting::Flag(true))?;
+        assert_eq!(edited, "[[layer]]\nname = 'a'\n[[layer.pin]]\nname = 'p' # mine\nmute = true\n");
+        assert_eq!(put_pin_setting(&edited, at, "mute", &Setting::Default)?, text);
+        Ok(())
     }
 }

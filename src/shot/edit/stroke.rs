@@ -10,18 +10,9 @@ use toml_edit::{Array, InlineTable, Item, Table, TableLike, Value};
 
 /// Appends a stroke to the stiffness of a layer.
 ///
-/// ```
-/// use pinwarp::shot::{BrushStroke, edit};
-/// let stroke = BrushStroke { nodes: vec!["Body".into()], points: vec![[0.0, 1.0, 0.5]], radius: 0.1, value: 8.0 };
-/// let edited = edit::add_stroke("[[layer]]\nname = 'a' # mine\n", "a", &stroke)?;
-/// assert_eq!(edited, "[[layer]]\nname = 'a' # mine\n\n  [[layer.stiffness]]
-///   stroke = { nodes = [\"Body\"], radius = 0.1, points = [[0.0, 1.0, 0.5]] }\n  value  = 8.0\n");
-/// # Ok::<(), pinwarp::shot::ShotError>(())
-/// ```
-///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, has no such layer, or if its `stiffness` is not a list of tables.
-pub fn add_stroke(text: &str, layer: &str, stroke: &BrushStroke) -> Result<String, ShotError> {
+pub(crate) fn add_stroke(text: &str, layer: &str, stroke: &BrushStroke) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| {
         let entries = [("stroke", Value::InlineTable(stroke_table(stroke))), ("value", few(stroke.value))];
         match table.entry("stiffness").or_insert_with(no_tables) {
@@ -50,7 +41,7 @@ pub fn add_stroke(text: &str, layer: &str, stroke: &BrushStroke) -> Result<Strin
 ///
 /// # Errors
 /// As [`add_stroke`].
-pub fn remove_strokes(text: &str, layer: &str) -> Result<String, ShotError> {
+pub(crate) fn remove_strokes(text: &str, layer: &str) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| {
         let Some(list) = table.get_mut("stiffness") else { return Ok(()) };
         let is_kept = |entry: &dyn TableLike| !entry.contains_key("stroke");
@@ -106,5 +97,18 @@ mod tests {
         assert_eq!(remove_strokes(&once, "a").expect("a layer"), none);
         assert!(add_stroke("[[layer]]\nname = 'a'\nstiffness = 4\n", "a", &stroke).is_err());
         assert!(add_stroke(none, "b", &stroke).is_err());
+    }
+
+    #[test]
+    fn a_stroke_is_appended_to_the_stiffness() -> Result<(), crate::shot::ShotError> {
+        use crate::shot::{BrushStroke, edit};
+        let stroke = BrushStroke { nodes: vec!["Body".into()], points: vec![[0.0, 1.0, 0.5]], radius: 0.1, value: 8.0 };
+        let edited = edit::add_stroke("[[layer]]\nname = 'a' # mine\n", "a", &stroke)?;
+        assert_eq!(
+            edited,
+            "[[layer]]\nname = 'a' # mine\n\n  [[layer.stiffness]]
+  stroke = { nodes = [\"Body\"], radius = 0.1, points = [[0.0, 1.0, 0.5]] }\n  value  = 8.0\n"
+        );
+        Ok(())
     }
 }

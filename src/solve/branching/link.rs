@@ -4,7 +4,7 @@
 
 /// How two triangles are connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LinkKind {
+pub(crate) enum LinkKind {
     /// They share an edge, whose ends are those of the link.
     Edge,
     /// One end lies in each triangle. The link crosses a gap between parts, or the inside of a solid.
@@ -13,7 +13,7 @@ pub enum LinkKind {
 
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkEnd {
+pub(crate) struct LinkEnd {
     /// Index of the triangle.
     pub triangle: u32,
     /// Barycentric coordinates.
@@ -24,9 +24,9 @@ pub struct LinkEnd {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// A point in each triangle.
-    pub ends: [LinkEnd; 2],
+    pub(crate) ends: [LinkEnd; 2],
     /// The kind of connection.
-    pub kind: LinkKind,
+    pub(crate) kind: LinkKind,
 }
 
 impl LinkEnd {

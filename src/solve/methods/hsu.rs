@@ -19,7 +19,7 @@ use crate::solve::validate;
 #[derive(Clone, Copy, Debug)]
 pub struct Hsu {
     /// Weights λ, by default those of the paper. The weight of the shape is not used.
-    pub lambdas: Lambdas,
+    pub(crate) lambdas: Lambdas,
 }
 
 impl Default for Hsu {

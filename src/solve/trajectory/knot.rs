@@ -171,11 +171,7 @@ impl<const D: usize> Knot<D> {
         let handles = self.handles();
         MinimizationResult {
             has_given_way: self.system.gives_way(&handles),
-            handles,
-            iterations: 0,
-            is_converged: true,
-            is_minimum: None,
-            energy: None,
+            ..MinimizationResult::of(handles, 0, true)
         }
     }
 

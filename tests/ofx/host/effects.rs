@@ -1,14 +1,12 @@
 //! The image effect suite: effects, clips, images with their lifetimes, aborting.
 
+use super::api::names::{image, prop};
+use super::api::{ClipHandle, EffectHandle, ImageEffectSuiteV1, ParamSetHandle, PropertySet, RectD, RectI, Status};
 use super::pixels::{Buffer, Depth};
 use super::profile::{NoClip, Regions};
 use super::props::name_of;
 use super::spec::Owner;
 use super::world::{Clip, Feed, Image, Value, World, current_action, with};
-use pinwarp::ofx::api::names::{image, prop};
-use pinwarp::ofx::api::{
-    ClipHandle, EffectHandle, ImageEffectSuiteV1, ParamSetHandle, PropertySet, RectD, RectI, Status,
-};
 use std::ffi::{CStr, c_char, c_int, c_void};
 
 /// The table of functions. The image pool is left out, as it may be.

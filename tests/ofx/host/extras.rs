@@ -1,14 +1,14 @@
 //! Suites that a host may leave out: messages, overlays, drawing; and the way to all suites.
 
+use super::api::{
+    DrawContextHandle, DrawSuiteV1, InteractHandle, InteractSuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1,
+    PointD, PropertySet, RgbaColour, Status, names,
+};
 use super::effects::{give, seen};
 use super::params::suite as params;
 use super::props::name_of;
 use super::world::{Drawn, Said, with};
 use super::{effects, props};
-use pinwarp::ofx::api::{
-    DrawContextHandle, DrawSuiteV1, InteractHandle, InteractSuiteV1, MessageSuiteV1, MessageSuiteV2, ParameterSuiteV1,
-    PointD, PropertySet, RgbaColour, Status, names,
-};
 use std::ffi::{c_char, c_int, c_void};
 use std::sync::LazyLock;
 

@@ -2,12 +2,12 @@
 //!
 //! In: what was described. Out: handles, and values that tests set.
 
+use super::api::names::{image, param, prop};
+use super::api::{RectI, Status};
 use super::pixels::{Depth, Pixels, Rows};
 use super::session::{Node, doubles, ints, text};
 use super::spec::Owner;
 use super::world::{Clip, Effect, Feed, Held, Value, World, with};
-use pinwarp::ofx::api::names::{image, param, prop};
-use pinwarp::ofx::api::{RectI, Status};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 

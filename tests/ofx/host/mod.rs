@@ -2,6 +2,9 @@
 //!
 //! In: a [`Profile`](profile::Profile) and calls of [`Host`](session::Host). Out: pictures, answers, and a failed test for every fault.
 
+#[allow(dead_code, unreachable_pub, unused_imports, reason = "some of it is for the plugin")]
+#[path = "../../../src/ofx/api/mod.rs"]
+pub(crate) mod api;
 mod effects;
 mod extras;
 mod making;
@@ -17,5 +20,5 @@ mod world;
 pub(crate) use making::feed;
 pub(crate) use pixels::{Depth, Pixels, Rows};
 pub(crate) use profile::Profile;
-pub(crate) use session::{Frame, Host, Node, Which};
+pub(crate) use session::{Frame, Host, Node, Which, declared};
 pub(crate) use world::{Drawn, Value};

@@ -1,13 +1,13 @@
 //! The parameter suite: values, keys, undo. Its variadic functions are plain ones here, see [`variadic`].
 
+use super::api::names::param as names;
+use super::api::{ParamHandle, ParamSetHandle, ParameterSuiteV1, PropertySet, Status};
 use super::effects::{give, seen};
 use super::profile::{Keys, Points};
 use super::props::name_of;
 use super::session::tell_changes;
 use super::spec::Owner;
 use super::world::{Held, Param, Undo, Value, World, current_action, with};
-use pinwarp::ofx::api::names::param as names;
-use pinwarp::ofx::api::{ParamHandle, ParamSetHandle, ParameterSuiteV1, PropertySet, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 
 /// Variadic functions of the API.

@@ -2,11 +2,11 @@
 //!
 //! In: places, canonical. Out: actions on the overlay; what it drew.
 
+use super::api::names::{action, image, interact, prop};
+use super::api::{EntryPoint, Status};
 use super::extras::CANVAS;
 use super::session::{Host, Node, call, doubles, ints, text};
 use super::world::{Drawn, Value, with};
-use pinwarp::ofx::api::names::{action, image, interact, prop};
-use pinwarp::ofx::api::{EntryPoint, Status};
 use std::ffi::CStr;
 use std::marker::PhantomData;
 

@@ -2,8 +2,8 @@
 //!
 //! In: plain samples. Out: buffers of any depth, components and row order, with guard bytes around every row.
 
+use super::api::RectI;
 use half::f16;
-use pinwarp::ofx::api::RectI;
 
 /// What untouched bytes hold.
 const GUARD: u8 = 0xA5;

@@ -2,8 +2,8 @@
 //!
 //! In: nothing. Out: one profile a host. What was seen in a host's own code or documentation stands beside it.
 
+use super::api::names::{self, image, param, prop};
 use super::pixels::Rows;
-use pinwarp::ofx::api::names::{self, image, param, prop};
 use std::ffi::CStr;
 
 /// Where a host says that a clip has pixels.

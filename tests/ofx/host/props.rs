@@ -1,9 +1,9 @@
 //! The property suite: checks every name, type and index against the API.
 
+use super::api::names::param;
+use super::api::{PropertySet, PropertySuiteV1, Status};
 use super::spec::{Owner, Type, of_param, spec};
 use super::world::{Value, World, with};
-use pinwarp::ofx::api::names::param;
-use pinwarp::ofx::api::{PropertySet, PropertySuiteV1, Status};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 /// The table of functions. What fetches or sets several values at once is left out, as it may be.

@@ -2,6 +2,8 @@
 //!
 //! In: calls. Out: answers. A host ends by destroying what is left, unloading, and failing for every fault it noted.
 
+use super::api::names::{action, image, interact, param, prop};
+use super::api::{EntryPoint, Host as HostStruct, Plugin, PropertySet, RectI, Status};
 use super::effects::{components_name, depth_name, seen};
 use super::extras::fetch_suite;
 use super::making::{Set, describe_host, end_effect, four, instance_of, new_effect, param_of};
@@ -11,9 +13,7 @@ use super::pixels::Pixels;
 use super::profile::Profile;
 use super::spec::Owner;
 use super::world::{Feed, Held, Said, Undo, Value, World, acting, replace, with};
-use pinwarp::ofx::api::names::{action, image, interact, param, prop};
-use pinwarp::ofx::api::{EntryPoint, Host as HostStruct, Plugin, PropertySet, RectI, Status};
-use pinwarp::ofx::{plugin, set_host};
+use pinwarp::ofx::set_host;
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -130,6 +130,12 @@ fn changed_by(entry: EntryPoint, effect: usize, name: &CStr, why: &'static CStr,
     call(entry, (action::INSTANCE_CHANGED, "InstanceChanged"), effect, args).0
 }
 
+/// The structure of the nth plugin.
+pub(crate) fn declared(nth: i32) -> Plugin {
+    // SAFETY: a constant of the library with the layout that both sides declare.
+    unsafe { pinwarp::ofx::plugin(nth).cast::<Plugin>().read() }
+}
+
 impl Host {
     /// Loads and describes a plugin in the profile's context.
     pub(crate) fn start(profile: &Profile, which: Which) -> Self {
@@ -142,12 +148,11 @@ impl Host {
         let told = Box::new(HostStruct { properties: PropertySet(seen(host)), fetch_suite: Some(fetch_suite) });
         if profile.sets_host {
             // SAFETY: the structure lives as long as the plugin is loaded.
-            let status = unsafe { set_host(&raw const *told) };
-            assert_eq!(status, Status::OK, "OfxSetHost");
+            let status = unsafe { set_host((&raw const *told).cast()) };
+            assert_eq!(status.0, Status::OK.0, "OfxSetHost");
         }
-        // SAFETY: the plugin's structure is a constant of the library.
-        let plugin: Plugin = unsafe { plugin(which as i32).read() };
-        // SAFETY: as above.
+        let plugin = declared(which as i32);
+        // SAFETY: the plugin's own function; the structure lives as long as the plugin is loaded.
         unsafe { plugin.set_host.expect("plugins take hosts")(&raw const *told) };
         let entry = plugin.main_entry.expect("plugins take actions");
         *ENTRY.lock().unwrap_or_else(PoisonError::into_inner) = Some(entry);

@@ -3,7 +3,7 @@
 //!
 //! In: what a set belongs to, and a name. Out: type and size, or nothing where the API knows no such property there.
 
-use pinwarp::ofx::api::names::{image, interact, param, prop};
+use super::api::names::{image, interact, param, prop};
 use std::ffi::CStr;
 
 /// What a set of properties belongs to.

@@ -2,10 +2,10 @@
 //!
 //! In: calls of the suites. Out: answers; each breach of the API is noted as a fault, and tests fail for it.
 
+use super::api::Status;
 use super::pixels::{Buffer, Depth, Pixels, Rows};
 use super::profile::Profile;
 use super::spec::Owner;
-use pinwarp::ofx::api::Status;
 use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::{CStr, CString, c_char};
@@ -58,7 +58,7 @@ pub(crate) struct Effect {
 pub(crate) struct Feed {
     /// `None`: an output of these bounds, or a clip without an image at this time.
     pub(crate) pixels: Option<Pixels>,
-    pub(crate) bounds: pinwarp::ofx::api::RectI,
+    pub(crate) bounds: super::api::RectI,
     pub(crate) channels: usize,
     pub(crate) depth: Depth,
     pub(crate) rows: Rows,

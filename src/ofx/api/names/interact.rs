@@ -44,16 +44,16 @@ names! {
 /// Value of [`KEY_SYM`]: Escape.
 pub(crate) const KEY_ESCAPE: i32 = 0xFF1B;
 /// Value of [`KEY_SYM`]: Backspace.
-pub const KEY_BACKSPACE: i32 = 0xFF08;
+pub(crate) const KEY_BACKSPACE: i32 = 0xFF08;
 /// Value of [`KEY_SYM`]: Delete.
-pub const KEY_DELETE: i32 = 0xFFFF;
+pub(crate) const KEY_DELETE: i32 = 0xFFFF;
 /// Value of [`KEY_SYM`]: "r".
 pub(crate) const KEY_R: i32 = 0x72;
 /// Value of [`KEY_SYM`]: "[".
-pub const KEY_BRACKET_LEFT: i32 = 0x5B;
+pub(crate) const KEY_BRACKET_LEFT: i32 = 0x5B;
 /// Value of [`KEY_SYM`]: "]".
 pub(crate) const KEY_BRACKET_RIGHT: i32 = 0x5D;
 /// Value of [`KEY_SYM`]: the left Shift key.
-pub const KEY_SHIFT_LEFT: i32 = 0xFFE1;
+pub(crate) const KEY_SHIFT_LEFT: i32 = 0xFFE1;
 /// Value of [`KEY_SYM`]: the right Shift key.
 pub(crate) const KEY_SHIFT_RIGHT: i32 = 0xFFE2;

@@ -6,16 +6,16 @@
 macro_rules! names {
     ($($(#[$doc:meta])* $name:ident = $text:literal;)*) => {$(
         $(#[$doc])*
-        pub const $name: &std::ffi::CStr = $text;
+        pub(crate) const $name: &std::ffi::CStr = $text;
     )*};
 }
 
-pub mod action;
+pub(crate) mod action;
 pub(crate) mod draw;
-pub mod image;
-pub mod interact;
-pub mod param;
-pub mod prop;
+pub(crate) mod image;
+pub(crate) mod interact;
+pub(crate) mod param;
+pub(crate) mod prop;
 
 names! {
     /// The image effect API, as in `Plugin::api`.

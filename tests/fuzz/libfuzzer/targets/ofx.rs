@@ -11,8 +11,8 @@ mod host;
 use arbitrary::Arbitrary;
 use host::profile::ALL;
 use host::{Depth, Frame, Host, Node, Pixels, Value, Which, feed};
-use pinwarp::ofx::api::RectI;
-use pinwarp::ofx::api::names::{action, image, interact, param, prop};
+use host::api::RectI;
+use host::api::names::{action, image, interact, param, prop};
 use std::ffi::CStr;
 
 /// Actions that a host may send to an instance at any time.
