@@ -71,9 +71,10 @@ impl Plan {
         if job.existing == Existing::Refuse {
             refuse_existing(wanted.iter().map(|&frame| output.path_of(frame)))?;
         }
+        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
+        headers::check_there(&sources, &wanted)?;
         let digests = digests(job, &layers, [Some(&plate), clean.as_ref(), maps.as_ref()]);
         let todo = todo(job, (wanted, &plate, &output), (&digests, device));
-        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
         notes.extend(headers::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
