@@ -244,6 +244,18 @@ fn unsupported_inputs_are_refused() {
 }
 
 #[test]
+fn a_first_plate_that_is_missing_or_damaged_stops_no_other() {
+    let bench = bench(SHOT);
+    std::fs::remove_file(bench.path("in/b.0001.exr")).expect("removed");
+    bench.run("warp --shot shot.toml").says(1, &["frame 1: cannot read in/b.0001.exr", "1 frame", "1 FAILED"]);
+    assert_eq!(bench.frames(), ["w.0002.exr"]);
+    bench.write("in/b.0001.exr", b"rubbish");
+    bench.run("warp --shot shot.toml --resume").says(1, &["1 kept", "frame 1: ", "in/b.0001.exr", "1 FAILED"]);
+    std::fs::remove_file(bench.path("in/b.0002.exr")).expect("removed");
+    bench.run("warp --shot shot.toml --overwrite").says(2, &["in/b.0001.exr"]);
+}
+
+#[test]
 fn a_plate_of_another_shape_is_another_shot() {
     let bench = bench(&format!("size = [64, 64]\n{SHOT}"));
     let shapes = ["in/b.0001.exr shows 64 x 36 pixels, 1.7778 wide to 1 high, the shot is 1.0000 to 1"];
