@@ -48,7 +48,7 @@ fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
     let mut shot = args.outside.read(path)?;
     shot.layers.iter_mut().for_each(|layer| layer.strength *= args.strength);
     if shot.source == Source::Frame && !shot.lines.has("size") {
-        let plate = SequencePath::parse(&plate(args, Some(&shot))?)?;
+        let plate = SequencePath::of_input(&plate(args, Some(&shot))?)?;
         let range = shot.frames.first..=shot.frames.last;
         let frames = args.frames.as_ref().map_or_else(|| range.collect(), |list| list.0.clone());
         let size = |frame| picture_size(&plate.path_of(frame));

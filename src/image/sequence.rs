@@ -48,6 +48,17 @@ impl SequencePath {
         Ok(Self { pattern: pattern.to_owned(), name })
     }
 
+    /// As [`Self::parse`], of files that are read: a file with exactly this name is a single picture, whatever its name.
+    ///
+    /// # Errors
+    /// Those of [`Self::parse`], if there is no such file.
+    pub(crate) fn of_input(pattern: &Path) -> Result<Self, ImageError> {
+        if pattern.is_file() {
+            return Ok(Self { pattern: pattern.to_owned(), name: Name::Single });
+        }
+        Self::parse(pattern)
+    }
+
     /// Returns the path of frame number `frame`; that of a single frame does not depend on the number.
     #[must_use]
     pub(crate) fn path_of(&self, frame: i32) -> PathBuf {
@@ -239,6 +250,21 @@ mod tests {
         ] {
             assert_eq!(path_of(pattern, frame), path);
         }
+    }
+
+    #[test]
+    fn a_file_of_exactly_this_name_is_no_sequence() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["girl#2.png", "a.####.##.exr", "100%.png", "%04d.png"] {
+            let path = folder.path().join(name);
+            let before = SequencePath::of_input(&path).ok();
+            assert_eq!(before, SequencePath::parse(&path).ok(), "{name} is not there yet");
+            std::fs::write(&path, "").expect("written");
+            let input = SequencePath::of_input(&path).expect(name);
+            assert_eq!((input.has_counter(), input.path_of(7)), (false, path), "{name}");
+        }
+        std::fs::create_dir(folder.path().join("d#.png")).expect("a folder");
+        assert!(SequencePath::of_input(&folder.path().join("d#.png")).expect("a counter").has_counter());
     }
 
     #[test]

@@ -1,6 +1,26 @@
-//! `export`: names, sizes and layers that an output format does not have are refused before anything is solved.
+//! Names of files with unusual letters. `export`: names, sizes and layers that an output format does not have are refused before
+//! anything is solved.
 
 use crate::support::{Bench, HEAD, OUTPUT, PIN, names_in};
+
+#[test]
+fn files_with_the_sign_of_a_counter_in_their_names_are_read() {
+    let bench = Bench::plain();
+    let picture = image::RgbaImage::from_pixel(64, 36, image::Rgba([200, 100, 50, 255]));
+    picture.save(bench.path("girl#2.png")).expect("saved");
+    bench.run("new girl#2.png -o girl.toml").says(0, &[]);
+    bench.run("render girl.toml --device cpu --frames 1 -o g.####.exr").says(0, &["frame 1 -> g.0001.exr"]);
+    for plate in ["girl#2.png", "shade.####.png", "100%.png"] {
+        picture.save(bench.path(plate)).expect("saved");
+        bench.run(&format!("warp {plate} --shot shot.toml -o w.##.png --overwrite")).says(0, &["frame 2 -> w.02.png"]);
+    }
+    let pin = "[[layer]]\n[[layer.pin]]\nanchor = { screen = [0.5, 0.5] }\n";
+    let shot = format!("plate = \"girl#2.png\"\nframes = {{ first = 1, last = 2 }}\n{pin}");
+    bench.write("plate.toml", shot.as_bytes());
+    bench.run("warp --shot plate.toml -o p.####.png").says(0, &["frame 2 -> p.0002.png"]);
+    // What is not there is a sequence.
+    bench.run("new girl#3.png -o g.toml").says(2, &["single images, but this is a sequence"]);
+}
 
 #[test]
 fn outputs_have_the_extension_of_their_format() {

@@ -42,9 +42,9 @@ pub(super) struct Plan {
 impl Plan {
     /// Creates the plan; `device`: the device that resamples colour.
     pub(super) fn of(job: &WarpJob, device: &str) -> Result<Self, PipelineError> {
-        let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
+        let (plate, output) = (SequencePath::of_input(&job.plate)?, SequencePath::parse(&job.output)?);
         check_kinds(&job.plate, &job.output)?;
-        let sequence = |path: &PathBuf| SequencePath::parse(path);
+        let sequence = |path: &PathBuf| SequencePath::of_input(path);
         let maps = if let PlateWarp::Maps(maps) = &job.warp { Some(sequence(maps)?) } else { None };
         let clean = if let Holes::Plate(clean) = &job.settings.holes { Some(sequence(clean)?) } else { None };
         let mut notes = notes_of(&job.warp);
