@@ -181,6 +181,12 @@ impl SequencePath {
     }
 }
 
+/// Returns a path with `_` for each `#` and `%` of its file name, so that a frame counter can be added to it.
+pub(crate) fn without_counter(path: &Path) -> PathBuf {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.map_or_else(|| path.to_owned(), |name| path.with_file_name(name.replace(['#', '%'], "_")))
+}
+
 /// Shortens a path for display: overlong invalid names would fill the screen.
 fn shortened(pattern: &Path) -> PathBuf {
     const SHOWN: usize = 300;
@@ -293,6 +299,19 @@ mod tests {
         assert_eq!(found[0].frames_on_disk().expect("listed"), Some(vec![-1, 3, 12345]));
         assert_eq!(found[1].frames_on_disk().expect("listed"), Some(vec![7, 12]));
         assert!(SequencePath::in_folder(&folder.path().join("nowhere")).is_err());
+    }
+
+    #[test]
+    fn names_lose_their_counters() {
+        for (path, plain) in [
+            ("take#1/s#1.toml", "take#1/s_1.toml"),
+            ("s%04d", "s_04d"),
+            ("sh v2 100%", "sh v2 100_"),
+            ("shot", "shot"),
+            ("", ""),
+        ] {
+            assert_eq!(without_counter(Path::new(path)), Path::new(plain));
+        }
     }
 
     #[test]
