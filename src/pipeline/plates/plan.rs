@@ -110,10 +110,12 @@ fn todo(
 fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
     let fault =
         |path: &Path, what: &str| Err(ImageError::Pattern { pattern: path.to_owned(), what: what.into() }.into());
-    match (PictureKind::known(plate)?, PictureKind::of(output)) {
+    let kind = PictureKind::known(plate)?;
+    match (kind, PictureKind::of(output)) {
         (_, None) => fault(output, "is not the name of a picture file; let it end in .exr (or .png for PNG plates)"),
         (_, Some(PictureKind::Jpeg)) => {
-            fault(output, "would lose its alpha as a JPEG file; let it end in .png or .exr")
+            let hint = if kind == PictureKind::Exr { "use .exr" } else { "use .exr or .png" };
+            Err(unusable(format!("{}: JPEG files cannot be written", output.display()), hint))
         }
         (PictureKind::Exr, Some(PictureKind::Png)) => {
             fault(output, "cannot hold the channels of an EXR plate; let it end in .exr")
