@@ -63,6 +63,11 @@ pub(crate) fn pluralised<N: Display + PartialEq + From<u8>>(count: N, one: &str,
     format!("{count} {words}")
 }
 
+/// Formats a number: from 10^9 on in scientific notation, as hundreds of digits tell nothing.
+pub(crate) fn number(value: f64) -> String {
+    if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") }
+}
+
 /// Maximum number of ranges in a message.
 const SHOWN_RANGES: usize = 8;
 
@@ -139,6 +144,13 @@ mod tests {
     fn frames_in_words() {
         assert_eq!(ranges(&[4, 1, 2, 3, 7, -1]), "-1, 1 to 4, 7");
         assert!(ranges(&(0..100).map(|k| 2 * k).collect::<Vec<_>>()).ends_with("14, ..."));
+    }
+
+    #[test]
+    fn large_numbers_are_short() {
+        let numbers = [0.0, -0.25, 120.0, 999_999_999.0, 1e9, -1e300, f64::MAX].map(number);
+        assert_eq!(numbers, ["0", "-0.25", "120", "999999999", "1e9", "-1e300", "1.7976931348623157e308"]);
+        assert_eq!(number(f64::INFINITY), "inf");
     }
 
     #[test]

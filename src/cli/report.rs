@@ -107,7 +107,7 @@ fn sequences(args: &ReportArgs) -> anyhow::Result<Vec<(SequencePath, Vec<i32>)>>
         let frames = wanted.unwrap_or_else(|| (shot.frames.first..=shot.frames.last).collect());
         return Ok(vec![(SequencePath::parse(&shot.output.path)?, frames)]);
     }
-    let paths = if source.is_dir() { SequencePath::in_folder(source)? } else { vec![SequencePath::parse(source)?] };
+    let paths = if source.is_dir() { SequencePath::in_folder(source)? } else { vec![SequencePath::of_input(source)?] };
     if paths.is_empty() {
         bail!("{}: there is no sequence in the folder; give for example {0}/frame.####.exr", source.display());
     }

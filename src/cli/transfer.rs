@@ -40,7 +40,7 @@ fn target(path: &Path) -> anyhow::Result<FileKind> {
                 path.display()
             )
         })?;
-    if matches!(kind, FileKind::Picture(_)) && !path.is_file() && SequencePath::parse(path)?.has_counter() {
+    if matches!(kind, FileKind::Picture(_)) && SequencePath::of_input(path)?.has_counter() {
         bail!(
             "--onto {0}: pictures of a shot are single images, but this is a sequence; warp it with \
              `pinwarp warp {0} --lattice FILE`",

@@ -42,14 +42,18 @@ pub(super) fn run(args: &WarpArgs) -> anyhow::Result<Outcome> {
     Ok(if is_complete { Outcome::Complete } else { Outcome::Partial })
 }
 
-/// Prepares the shot. A shot without a size takes the plate's.
+/// Prepares the shot. A shot without a size takes that of the first plate that can be read.
 fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
     let path = args.shot.as_ref().context("clap asks for one of --shot, --lattice, --stmap")?;
     let mut shot = args.outside.read(path)?;
     shot.layers.iter_mut().for_each(|layer| layer.strength *= args.strength);
     if shot.source == Source::Frame && !shot.lines.has("size") {
-        let first = args.frames.as_ref().and_then(|list| list.0.first().copied()).unwrap_or(shot.frames.first);
-        shot.size = picture_size(&SequencePath::parse(&plate(args, Some(&shot))?)?.path_of(first))?;
+        let plate = SequencePath::of_input(&plate(args, Some(&shot))?)?;
+        let range = shot.frames.first..=shot.frames.last;
+        let frames = args.frames.as_ref().map_or_else(|| range.collect(), |list| list.0.clone());
+        let size = |frame| picture_size(&plate.path_of(frame));
+        let first = frames.first().copied().unwrap_or(shot.frames.first);
+        shot.size = frames.into_iter().find_map(|frame| size(frame).ok()).map_or_else(|| size(first), Ok)?;
     }
     let outputs = args.output.iter().chain([&shot.output.path]).cloned().collect::<Vec<_>>();
     Ok(PreparedShot::new(shot)?.keeping_trajectories(outputs.iter().map(PathBuf::as_path), Keeping::Write))

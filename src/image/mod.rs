@@ -73,7 +73,7 @@ pub use plate_read::read_plate;
 pub use plate_write::write_plate;
 pub(crate) use preview::write_frame_preview;
 pub use preview::{Preview, png_bytes, preview, write_png};
-pub(crate) use sequence::SequencePath;
+pub(crate) use sequence::{SequencePath, without_counter};
 pub use size::picture_size;
 pub(crate) use size::{PictureExtent, picture_extent};
 

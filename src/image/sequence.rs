@@ -48,6 +48,17 @@ impl SequencePath {
         Ok(Self { pattern: pattern.to_owned(), name })
     }
 
+    /// As [`Self::parse`], of files that are read: a file with exactly this name is a single picture, whatever its name.
+    ///
+    /// # Errors
+    /// Those of [`Self::parse`], if there is no such file.
+    pub(crate) fn of_input(pattern: &Path) -> Result<Self, ImageError> {
+        if pattern.is_file() {
+            return Ok(Self { pattern: pattern.to_owned(), name: Name::Single });
+        }
+        Self::parse(pattern)
+    }
+
     /// Returns the path of frame number `frame`; that of a single frame does not depend on the number.
     #[must_use]
     pub(crate) fn path_of(&self, frame: i32) -> PathBuf {
@@ -161,6 +172,12 @@ impl SequencePath {
     }
 }
 
+/// Returns a path with `_` for each `#` and `%` of its file name, so that a frame counter can be added to it.
+pub(crate) fn without_counter(path: &Path) -> PathBuf {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.map_or_else(|| path.to_owned(), |name| path.with_file_name(name.replace(['#', '%'], "_")))
+}
+
 /// Shortens a path for display: overlong invalid names would fill the screen.
 fn shortened(pattern: &Path) -> PathBuf {
     const SHOWN: usize = 300;
@@ -233,6 +250,21 @@ mod tests {
     }
 
     #[test]
+    fn a_file_of_exactly_this_name_is_no_sequence() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["girl#2.png", "a.####.##.exr", "100%.png", "%04d.png"] {
+            let path = folder.path().join(name);
+            let before = SequencePath::of_input(&path).ok();
+            assert_eq!(before, SequencePath::parse(&path).ok(), "{name} is not there yet");
+            std::fs::write(&path, "").expect("written");
+            let input = SequencePath::of_input(&path).expect(name);
+            assert_eq!((input.has_counter(), input.path_of(7)), (false, path), "{name}");
+        }
+        std::fs::create_dir(folder.path().join("d#.png")).expect("a folder");
+        assert!(SequencePath::of_input(&folder.path().join("d#.png")).expect("a counter").has_counter());
+    }
+
+    #[test]
     fn frames_on_disk_are_those_the_pattern_would_give() {
         let folder = tempfile::tempdir().expect("a folder");
         let names = ["a.0003.exr", "a.-001.exr", "a.12345.exr", "a.7.exr", "a.00008.exr", "a.+009.exr", "a.0003.png"];
@@ -258,6 +290,19 @@ mod tests {
         assert_eq!(found[0].frames_on_disk().expect("listed"), Some(vec![-1, 3, 12345]));
         assert_eq!(found[1].frames_on_disk().expect("listed"), Some(vec![7, 12]));
         assert!(SequencePath::in_folder(&folder.path().join("nowhere")).is_err());
+    }
+
+    #[test]
+    fn names_lose_their_counters() {
+        for (path, plain) in [
+            ("take#1/s#1.toml", "take#1/s_1.toml"),
+            ("s%04d", "s_04d"),
+            ("sh v2 100%", "sh v2 100_"),
+            ("shot", "shot"),
+            ("", ""),
+        ] {
+            assert_eq!(without_counter(Path::new(path)), Path::new(plain));
+        }
     }
 
     #[test]

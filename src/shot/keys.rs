@@ -67,6 +67,15 @@ impl Layer {
         !self.pins.is_empty() || !self.handles.is_empty() || self.transfer.is_some()
     }
 
+    /// Whether muted pins are all that could move the layer.
+    #[must_use]
+    pub(crate) fn is_muted(&self) -> bool {
+        self.is_moved()
+            && self.handles.is_empty()
+            && self.transfer.is_none()
+            && self.pins.iter().all(|pin| pin.is_muted)
+    }
+
     /// Returns the path of the layer up to a (fractional) frame of a shot with these frames, as [`Shot::pin_path`].
     #[must_use]
     pub(crate) fn pin_path(&self, frames: &FrameRange, frame: f64) -> Vec<PinTargets> {

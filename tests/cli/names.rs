@@ -1,6 +1,52 @@
-//! `export`: names, sizes and layers that an output format does not have are refused before anything is solved.
+//! Names of files with unusual letters. `export`: names, sizes and layers that an output format does not have are refused before
+//! anything is solved.
 
 use crate::support::{Bench, HEAD, OUTPUT, PIN, names_in};
+
+#[test]
+fn files_with_the_sign_of_a_counter_in_their_names_are_read() {
+    let bench = Bench::plain();
+    let picture = image::RgbaImage::from_pixel(64, 36, image::Rgba([200, 100, 50, 255]));
+    picture.save(bench.path("girl#2.png")).expect("saved");
+    bench.run("new girl#2.png -o girl.toml").says(0, &[]);
+    bench.run("render girl.toml --device cpu --frames 1 -o g.####.exr").says(0, &["frame 1 -> g.0001.exr"]);
+    for plate in ["girl#2.png", "shade.####.png", "100%.png"] {
+        picture.save(bench.path(plate)).expect("saved");
+        bench.run(&format!("warp {plate} --shot shot.toml -o w.##.png --overwrite")).says(0, &["frame 2 -> w.02.png"]);
+    }
+    let pin = "[[layer]]\n[[layer.pin]]\nanchor = { screen = [0.5, 0.5] }\n";
+    let shot = format!("plate = \"girl#2.png\"\nframes = {{ first = 1, last = 2 }}\n{pin}");
+    bench.write("plate.toml", shot.as_bytes());
+    bench.run("warp --shot plate.toml -o p.####.png").says(0, &["frame 2 -> p.0002.png"]);
+    // What is not there is a sequence.
+    bench.run("new girl#3.png -o g.toml").says(2, &["single images, but this is a sequence"]);
+}
+
+#[test]
+fn frames_and_maps_are_named_after_shots_of_any_name() {
+    let bench = Bench::with_shot(&format!("{HEAD}{PIN}"));
+    std::fs::create_dir(bench.path("take#1")).expect("a folder");
+    std::fs::copy(bench.path("tiny.gltf"), bench.path("take#1/tiny.gltf")).expect("copied");
+    for (name, plain) in [("s#1", "s_1"), ("s%04d", "s_04d"), ("sh_v2_100%", "sh_v2_100_"), ("take#1/s", "take#1/s")] {
+        let shot = format!("{name}.toml");
+        std::fs::copy(bench.path("shot.toml"), bench.path(&shot)).expect("copied");
+        let (folder, stem) = plain.rsplit_once('/').map_or(("", plain), |(folder, stem)| (folder, stem));
+        let frame = bench.path(folder).join(format!("out/{stem}.0002.exr"));
+        bench.run(&format!("check {shot}")).says(0, &[]);
+        bench.run(&format!("render {shot} --device cpu")).says(0, &[]);
+        assert!(frame.exists(), "{shot}");
+        for format in ["stmap", "after-effects"] {
+            bench.run(&format!("export {shot} --to {format}")).says(0, &[]);
+        }
+        bench.run(&format!("export {shot} --to nuke --overwrite")).says(0, &[]);
+        for ending in ["stmap.0002.exr", "all.element.0002.exr", "all.after-effects.txt"] {
+            assert!(bench.path(&format!("{plain}.{ending}")).exists(), "{shot}: {ending}");
+        }
+        let script = String::from_utf8(bench.read(&format!("{name}.nk"))).expect("text");
+        assert!(script.contains(&format!("file \"{stem}.stmap.####.exr\"")), "{script}");
+    }
+    bench.run("export shot.toml --to after-effects -o x#1").says(2, &["-o x#1: ", "without a frame counter"]);
+}
 
 #[test]
 fn outputs_have_the_extension_of_their_format() {

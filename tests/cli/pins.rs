@@ -67,6 +67,26 @@ fn a_layer_whose_pins_are_all_behind_the_camera_is_named() {
 }
 
 #[test]
+fn a_layer_whose_pins_are_all_muted_is_like_one_without() {
+    let muted = PIN.replace("name = \"corner\"", "name = \"corner\"\n  mute = true");
+    let note = "layer 'all' has muted pins only: it is not warped";
+    for lattice in ["dims = [4, 4]", "dims = [4, 4, 4], space = \"world\""] {
+        let head = HEAD.replace("dims = [4, 4]", lattice);
+        let bench = Bench::with_shot(&format!("{head}{muted}{OUTPUT}"));
+        let ended = bench.render("").says(0, &[&format!("note: {note}")]);
+        assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
+        let check = bench.run("check shot.toml").says(0, &[]).stdout;
+        assert!(check.contains(&format!("note: {note}")) && !check.contains("warning"), "{check}");
+    }
+    // Muted pins beside one that acts, and handles that move, are no reason for a note.
+    let handles = "  [[layer.handle]]\n  index = [1, 1]\n  keys = [{ frame = 1, offset = [0.1, 0.0] }]\n";
+    for other in [PIN.replace("corner", "other"), handles.to_owned()] {
+        let ended = with_pin(&format!("{muted}{other}")).render("").says(0, &[]);
+        assert!(!ended.stderr.contains("not warped"), "{}", ended.stderr);
+    }
+}
+
+#[test]
 fn missing_pins_are_reported_and_change_nothing() {
     let bare = Bench::with_shot(&format!("{HEAD}{OUTPUT}"));
     bare.render("").says(0, &["note: no layer has pins or moved handles: nothing is warped"]);

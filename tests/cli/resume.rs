@@ -165,6 +165,23 @@ fn frames_whose_files_hold_something_else_are_made_again() {
 }
 
 #[test]
+fn plates_that_are_missing_are_told_when_all_others_are_done() {
+    let [.., Kind { bench, run, frames }] = kinds();
+    let shot = String::from_utf8(bench.read("shot.toml")).expect("text").replace("last = 2", "last = 4");
+    bench.write("shot.toml", shot.as_bytes());
+    bench.run(run).says(1, &["frame 3: cannot read in.0003.png", "frame 4: cannot read in.0004.png", "2 FAILED"]);
+    let good = frames.map(|name| bench.read(name));
+    let run = format!("{run} --resume");
+    bench.run(&run).says(1, &["2 kept", "frame 3: cannot read", "frame 4: cannot read in.0004.png", "2 FAILED"]);
+    let events = bench.run(&format!("{run} --json")).says(1, &[]).events();
+    let last = events.last().expect("events");
+    assert_eq!((&last["kept"], &last["warped"], &last["failed"]), (&2.into(), &0.into(), &2.into()), "{last}");
+    assert_eq!(frames.map(|name| bench.read(name)), good);
+    // Where no frame at all has a plate, the path is wrong.
+    bench.run(&format!("{run} --frames 3-4")).says(2, &["in.0003.png: it is not there, nor is any other"]);
+}
+
+#[test]
 fn lattices_and_clean_plates_that_changed_are_seen() {
     let bench = Bench::new();
     bench.render("-o in/b.####.exr").says(0, &[]);

@@ -112,6 +112,15 @@ fn pixels_instead_of_frame_heights() {
 }
 
 #[test]
+fn large_numbers_are_told_in_scientific_notation() {
+    let says = ["1e300 frame heights look like pixels", "1e300 px of 36 is 2.777777777777778e298"];
+    refused("offset = [0.1, 0.05]", "offset = [1e300, 0.05]", &says);
+    refused("offset = [0.1, 0.05]", "offset = [-1e308, 0.05]", &["-1e308 px of 36 is -2.7777777777777"]);
+    refused("offset = [0.1, 0.05]", "offset = [120.0, 50.0]", &["120 px of 36 is 3.3333"]);
+    refused("[1.0, 0.0, 0.0]", "[1e300, 0.0, 0.0]", &["sum to 1e300, not 1"]);
+}
+
+#[test]
 fn several_faults_are_reported_at_once() {
     let text = shot().replace("samples = 1", "sampels = 1").replace("last = 2", "last = 0");
     Bench::with_shot(&text).render("").says(2, &["sampels", "frames.last"]);

@@ -223,7 +223,10 @@ fn unsupported_inputs_are_refused() {
         ),
         ("warp in/b.####.exr --shot shot.toml -o w.exr", &["no frame counter for 2 frames", "w.####.exr"]),
         ("warp in/b.####.exr --shot shot.toml -o w.####.png", &["cannot hold the channels", ".exr"]),
-        ("warp in/b.####.exr --shot shot.toml -o w.####.jpg", &["lose its alpha"]),
+        (
+            "warp in/b.####.exr --shot shot.toml -o w.####.jpg",
+            &["w.####.jpg: JPEG files cannot be written; use .exr\n"],
+        ),
         ("warp in/b.####.tif --shot shot.toml", &["is not the name of a picture", ".png, .jpg or .exr"]),
         ("warp in/b.##.##.exr --shot shot.toml", &["two frame counters"]),
         ("warp --shot shot.toml --layer al", &["has no layer 'al'", "did you mean"]),
@@ -241,6 +244,32 @@ fn unsupported_inputs_are_refused() {
         bench.run(arguments).says(2, says);
     }
     assert!(bench.frames().is_empty());
+}
+
+#[test]
+fn a_first_plate_that_is_missing_or_damaged_stops_no_other() {
+    let bench = bench(SHOT);
+    std::fs::remove_file(bench.path("in/b.0001.exr")).expect("removed");
+    bench.run("warp --shot shot.toml").says(1, &["frame 1: cannot read in/b.0001.exr", "1 frame", "1 FAILED"]);
+    assert_eq!(bench.frames(), ["w.0002.exr"]);
+    bench.write("in/b.0001.exr", b"rubbish");
+    bench.run("warp --shot shot.toml --resume").says(1, &["1 kept", "frame 1: ", "in/b.0001.exr", "1 FAILED"]);
+    std::fs::remove_file(bench.path("in/b.0002.exr")).expect("removed");
+    bench.run("warp --shot shot.toml --overwrite").says(2, &["in/b.0001.exr"]);
+}
+
+#[test]
+fn jpeg_files_are_read_and_not_written() {
+    let bench = Bench::plain();
+    for name in ["drawn.jpg", "drawn.png"] {
+        image::RgbImage::from_pixel(64, 36, image::Rgb([200, 100, 50])).save(bench.path(name)).expect("saved");
+        for output in ["w.jpg", "w.JPEG"] {
+            let says = [output, ": JPEG files cannot be written; use .exr or .png"];
+            bench.run(&format!("warp {name} --shot shot.toml --frames 2 -o {output}")).says(2, &says);
+            assert!(!bench.path(output).exists());
+        }
+        bench.run(&format!("warp {name} --shot shot.toml --frames 2 -o {name}.png")).says(0, &[]);
+    }
 }
 
 #[test]

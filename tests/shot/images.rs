@@ -61,6 +61,17 @@ fn the_first_picture_gives_the_size() {
     assert!(error.contains("mend its path, or give `size`"), "{error}");
 }
 
+#[test]
+fn a_picture_may_have_the_sign_of_a_counter_in_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = folder.path().join("shot.toml");
+    let text = replaced(PICTURES, "back.png", "back#2.png");
+    assert!(Shot::parse(&text, &shot).unwrap_err().to_string().contains("this is a sequence"));
+    image::RgbaImage::new(30, 20).save(folder.path().join("back#2.png")).unwrap();
+    let images = ["back#2.png", "girls/girl.exr"].map(|name| folder.path().join(name));
+    assert_eq!(Shot::parse(&text, &shot).unwrap().source, Source::Images(images.to_vec()));
+}
+
 /// A change of the shot above, the line and key of its fault, and what is said about it.
 type Case = ([&'static str; 2], usize, &'static str, &'static str);
 

@@ -90,6 +90,16 @@ fn a_scene_and_its_plate_stand_side_by_side() {
     assert_ne!(hash(PLATE), hash(&replaced(PLATE, "\"cubic\"", "\"ewa\"")));
 }
 
+#[test]
+fn a_plate_may_have_the_sign_of_a_counter_in_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = folder.path().join("shot.toml");
+    let text = "plate = \"b##_%s.png\"\nframes = { first = 1, last = 2 }\n[[layer]]\n";
+    assert!(Shot::parse(text, &shot).unwrap_err().to_string().contains("shot.toml:1: plate: "));
+    image::RgbaImage::new(30, 20).save(folder.path().join("b##_%s.png")).unwrap();
+    assert_eq!(Shot::parse(text, &shot).unwrap().size, pinwarp::space::FrameSize::new(30, 20));
+}
+
 /// A change of the shot above, the line and key of its fault, and what is said about it.
 type Case = ([&'static str; 2], usize, &'static str, &'static str);
 

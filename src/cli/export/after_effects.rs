@@ -9,7 +9,7 @@ use crate::cli::outcome::Outcome;
 use crate::cli::outputs;
 use crate::export::gltf::glb;
 use crate::export::{DisplacementNote, displacement, greatest_offset};
-use crate::image::{SequencePath, replace_text, write_codes};
+use crate::image::{SequencePath, replace_text, without_counter, write_codes};
 use crate::pipeline::{BakeTimes, Event, PreparedShot, RenderOptions, input_files, render};
 use crate::shot::{Shot, Source as ShotSource, digest};
 use crate::spelling::pluralised;
@@ -22,8 +22,8 @@ use std::sync::atomic::AtomicBool;
 const MAX_PX: u32 = 32_000;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let stem = args.output.clone().unwrap_or_else(|| args.shot.with_extension(""));
-    if stem.to_string_lossy().contains(['#', '%']) {
+    let stem = args.output.clone().unwrap_or_else(|| without_counter(&args.shot.with_extension("")));
+    if stem.file_name().unwrap_or_default().to_string_lossy().contains(['#', '%']) {
         let stem = stem.display();
         bail!(
             "-o {stem}: this export writes several sequences; give the start of their names, without a frame counter"

@@ -7,14 +7,14 @@ use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
 use crate::cli::outputs;
 use crate::export::nuke::{LostBranches, NukeScene, script};
-use crate::image::replace_text;
+use crate::image::{replace_text, without_counter};
 use crate::spelling::pluralised;
 use std::io::{self, Write};
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let output = output(args, "nk")?;
     let (maps, prepared) = Maps::open(args)?;
-    let pattern = output.with_extension("stmap.####.exr");
+    let pattern = without_counter(&output).with_extension("stmap.####.exr");
     let frames = &maps.frames;
     let ends = [frames.first(), frames.last()].map(|frame| frame.copied().unwrap_or_default());
     let name = pattern.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -3,7 +3,7 @@
 use super::maps::{Maps, Written, check_frames, write_frames};
 use crate::cli::args::ExportArgs;
 use crate::cli::outcome::Outcome;
-use crate::image::{Compression, write_exr};
+use crate::image::{Compression, without_counter, write_exr};
 use crate::pipeline::PreparedShot;
 use crate::plate::stmap_of;
 use crate::spelling::pluralised;
@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let pattern = args.output.clone().unwrap_or_else(|| args.shot.with_extension("stmap.####.exr"));
+    let pattern = args.output.clone().unwrap_or_else(|| without_counter(&args.shot).with_extension("stmap.####.exr"));
     let (maps, prepared) = Maps::open(args)?;
     let written = write(args, (&maps, prepared.as_deref()), &pattern)?;
     print_written(&pattern, &written)?;

@@ -122,7 +122,7 @@ impl Plan {
         let (bake, work, report, frames_path) = match (args.warp.as_slice(), is_over_plates) {
             ([plate, warped], _) => {
                 let [plate, warped] = [std::path::absolute(plate)?, std::path::absolute(warped)?];
-                inputs.add_sequence(&SequencePath::parse(&plate)?)?;
+                inputs.add_sequence(&SequencePath::of_input(&plate)?)?;
                 let [plate, pattern] = [outputs::as_text(&plate)?, outputs::as_text(&warped)?].map(str::to_owned);
                 let work = ["warp", &plate, "--shot", &shot_text, "-o", &pattern].map(str::to_owned).to_vec();
                 let bake = ["bake", &shot_text, "-o", &pattern].map(str::to_owned).to_vec();

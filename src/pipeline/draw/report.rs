@@ -26,7 +26,7 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         if !is_in_sight {
             let text = "nothing of it is in sight (behind the camera or far outside the frame)";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
-        } else if state.report().is_none() && !layer.pins.is_empty() {
+        } else if state.report().is_none() && layer.pins.iter().any(|pin| !pin.is_muted) {
             let text = "all its pins are behind the camera or at its near plane: it is not warped";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         }

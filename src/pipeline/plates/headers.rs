@@ -26,8 +26,6 @@ pub(super) fn check(
     layers: &[usize],
     frames: &[i32],
 ) -> Result<Vec<String>, PipelineError> {
-    let all = [Some(sources.plate), sources.clean, sources.maps];
-    all.into_iter().flatten().try_for_each(|source| check_there(source, frames))?;
     let mattes: Vec<(&str, &Matte)> = layers
         .iter()
         .filter_map(|&layer| {
@@ -42,8 +40,13 @@ pub(super) fn check(
     wanted.unwrap_or_else(|| Ok(Vec::new()))
 }
 
-/// Checks that at least one of the frames exists as a regular file.
-fn check_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
+/// Checks that each source has at least one of the frames, kept ones included, as a regular file.
+pub(super) fn check_there(sources: &Sources, frames: &[i32]) -> Result<(), PipelineError> {
+    let all = [Some(sources.plate), sources.clean, sources.maps];
+    all.into_iter().flatten().try_for_each(|source| check_source_there(source, frames))
+}
+
+fn check_source_there(source: &SequencePath, frames: &[i32]) -> Result<(), PipelineError> {
     let Some(&first) = frames.first() else { return Ok(()) };
     let mut there = frames.iter().map(|&frame| source.path_of(frame)).filter(|path| path.exists()).peekable();
     let irregular = there.peek().and_then(|path| Some((path.clone(), check_regular(path).err()?)));

@@ -42,9 +42,9 @@ pub(super) struct Plan {
 impl Plan {
     /// Creates the plan; `device`: the device that resamples colour.
     pub(super) fn of(job: &WarpJob, device: &str) -> Result<Self, PipelineError> {
-        let (plate, output) = (SequencePath::parse(&job.plate)?, SequencePath::parse(&job.output)?);
+        let (plate, output) = (SequencePath::of_input(&job.plate)?, SequencePath::parse(&job.output)?);
         check_kinds(&job.plate, &job.output)?;
-        let sequence = |path: &PathBuf| SequencePath::parse(path);
+        let sequence = |path: &PathBuf| SequencePath::of_input(path);
         let maps = if let PlateWarp::Maps(maps) = &job.warp { Some(sequence(maps)?) } else { None };
         let clean = if let Holes::Plate(clean) = &job.settings.holes { Some(sequence(clean)?) } else { None };
         let mut notes = notes_of(&job.warp);
@@ -71,9 +71,10 @@ impl Plan {
         if job.existing == Existing::Refuse {
             refuse_existing(wanted.iter().map(|&frame| output.path_of(frame)))?;
         }
+        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
+        headers::check_there(&sources, &wanted)?;
         let digests = digests(job, &layers, [Some(&plate), clean.as_ref(), maps.as_ref()]);
         let todo = todo(job, (wanted, &plate, &output), (&digests, device));
-        let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
         notes.extend(headers::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
@@ -109,10 +110,12 @@ fn todo(
 fn check_kinds(plate: &Path, output: &Path) -> Result<(), PipelineError> {
     let fault =
         |path: &Path, what: &str| Err(ImageError::Pattern { pattern: path.to_owned(), what: what.into() }.into());
-    match (PictureKind::known(plate)?, PictureKind::of(output)) {
+    let kind = PictureKind::known(plate)?;
+    match (kind, PictureKind::of(output)) {
         (_, None) => fault(output, "is not the name of a picture file; let it end in .exr (or .png for PNG plates)"),
         (_, Some(PictureKind::Jpeg)) => {
-            fault(output, "would lose its alpha as a JPEG file; let it end in .png or .exr")
+            let hint = if kind == PictureKind::Exr { "use .exr" } else { "use .exr or .png" };
+            Err(unusable(format!("{}: JPEG files cannot be written", output.display()), hint))
         }
         (PictureKind::Exr, Some(PictureKind::Png)) => {
             fault(output, "cannot hold the channels of an EXR plate; let it end in .exr")

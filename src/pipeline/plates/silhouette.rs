@@ -66,7 +66,7 @@ impl<'a> Silhouette<'a> {
 
     /// Returns the alpha of the shot's plate, if the plate exists and has one.
     fn of_plate(&self, frame: i32) -> Option<Coverage> {
-        let path = SequencePath::parse(self.prepared.shot.plate.as_ref()?).ok()?.path_of(frame);
+        let path = SequencePath::of_input(self.prepared.shot.plate.as_ref()?).ok()?.path_of(frame);
         let plate = read_any(&path).ok()?;
         let (layers, _) = color_layers(&plate, &self.prepared.shot.warp.semantics);
         let layer = layers.first()?;

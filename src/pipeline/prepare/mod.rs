@@ -275,16 +275,20 @@ fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -
 
 /// Adds notes on layers that are not moved.
 fn note_unwarped(prepared: &mut PreparedShot) {
-    let is_moved = |layer: &&Layer| layer.is_moved();
-    let (moved, still): (Vec<_>, Vec<_>) = prepared.shot.layers.iter().partition(is_moved);
-    if moved.is_empty() {
+    let layers = &prepared.shot.layers;
+    if !layers.iter().any(Layer::is_moved) {
         prepared.notes.push("no layer has pins or moved handles: nothing is warped".into());
         return;
     }
-    let names = still.iter().map(|layer| &layer.name);
-    prepared
-        .notes
-        .extend(names.map(|name| format!("layer '{name}' has no pins and no moved handles: it is not warped")));
+    let note = |layer: &Layer| {
+        let why = match (layer.is_moved(), layer.is_muted()) {
+            (false, _) => "has no pins and no moved handles",
+            (true, true) => "has muted pins only",
+            (true, false) => return None,
+        };
+        Some(format!("layer '{}' {why}: it is not warped", layer.name))
+    };
+    prepared.notes.extend(layers.iter().filter_map(note));
 }
 
 /// Adds notes on costly lattices: every handle of a global basis acts everywhere, so the matrices are full.

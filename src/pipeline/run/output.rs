@@ -23,7 +23,7 @@ pub(crate) fn input_files(prepared: &PreparedShot) -> Result<Inputs, PipelineErr
     files.for_each(|path| inputs.add(path));
     let clean = if let Holes::Plate(clean) = &shot.warp.holes { Some(clean) } else { None };
     for pattern in shot.plate.iter().chain(clean) {
-        inputs.add_sequence(&SequencePath::parse(pattern)?)?;
+        inputs.add_sequence(&SequencePath::of_input(pattern)?)?;
     }
     Ok(inputs)
 }

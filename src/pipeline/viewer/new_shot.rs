@@ -55,7 +55,7 @@ pub(crate) fn new_shot(path: &Path, access: FileAccess) -> Result<NewShot, Pipel
 
 /// Collects the facts about a picture.
 fn picture_facts(path: &Path) -> Result<TemplateFacts, PipelineError> {
-    if !path.is_file() && SequencePath::parse(path)?.has_counter() {
+    if SequencePath::of_input(path)?.has_counter() {
         return Err(PipelineError::Unusable {
             what: format!("{}: pictures of a shot are single images, but this is a sequence", path.display()),
             hint: format!(

@@ -191,7 +191,7 @@ impl PreparedShot {
     fn warped_plate(&self, sample: &TimeSample) -> Result<Frame, PipelineError> {
         let Some(pattern) = &self.shot.plate else { return Ok(self.blank()) };
         let frame = (sample.frame - mid_shutter(self.shot.shutter)).round() as i32;
-        let plate = read_any(&SequencePath::parse(pattern)?.path_of(frame))?;
+        let plate = read_any(&SequencePath::of_input(pattern)?.path_of(frame))?;
         let settings = self.shot.warp.in_pixels(plate.frame_size());
         let moved = self.shot.layers.iter().zip(&sample.layers).filter_map(|(layer, state)| {
             let field = state.field(layer.matte.is_none())?;

@@ -12,7 +12,7 @@ impl Check<'_> {
     pub(super) fn images(&mut self, raw: &RawImage) -> Vec<PathBuf> {
         let paths = raw.paths();
         for (index, (key, path)) in paths.iter().enumerate() {
-            let is_sequence = SequencePath::parse(Path::new(path)).is_ok_and(|path| path.has_counter());
+            let is_sequence = SequencePath::of_input(&self.folder().join(path)).is_ok_and(|path| path.has_counter());
             if PictureKind::of(Path::new(path)).is_none() {
                 let hint = format!("{}; a .gltf or .glb file is a `scene`", PictureKind::REMEDY);
                 self.fault(key, format!("{path:?} is not the name of a picture"), hint);

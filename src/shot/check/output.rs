@@ -3,7 +3,7 @@
 //! In: the raw table and the frame range. Out: [`Output`].
 
 use super::Check;
-use crate::image::{Compression, ImageError, PictureKind, SequencePath};
+use crate::image::{Compression, ImageError, PictureKind, SequencePath, without_counter};
 use crate::raster::ChannelGroup;
 use crate::shot::raw::{RawChannel, RawCompression, RawOutput};
 use crate::shot::{FrameRange, Output, Source};
@@ -20,8 +20,8 @@ impl Check<'_> {
             self.output_path(path, frames, kinds);
         }
         let path = raw.path.clone().unwrap_or_else(|| {
-            let stem = shot_path.file_stem().map_or("shot".into(), |stem| stem.to_string_lossy());
-            format!("out/{stem}.####.exr")
+            let stem = without_counter(Path::new(shot_path.file_stem().unwrap_or("shot".as_ref())));
+            format!("out/{}.####.exr", stem.to_string_lossy())
         });
         Output {
             path: folder.join(path),

@@ -7,6 +7,7 @@ use super::{Check, Kind, LayerDefaults};
 use crate::shot::raw::{RawAnchor, RawHandle, RawOrder, RawOrderKey, RawPin, RawSpace};
 use crate::shot::{Anchor, Ease, Goal, HandleKey, HandleTrack, OrderKey, Pin, PinKey};
 use crate::space::{ScreenPoint, ScreenVector};
+use crate::spelling::number;
 
 /// Magnitude in frame heights (or box sizes) above which a number must have been meant as pixels.
 const LARGEST_COORDINATE: f64 = 32.0;
@@ -110,7 +111,7 @@ impl Check<'_> {
     fn barycentric(&mut self, weights: [f64; 3], key: &str) -> [f64; 3] {
         let sum: f64 = weights.iter().sum();
         if (sum - 1.0).abs() > BARYCENTRIC_TOLERANCE {
-            self.fault(key, format!("the weights sum to {sum}, not 1"), "divide each by their sum");
+            self.fault(key, format!("the weights sum to {}, not 1", number(sum)), "divide each by their sum");
         } else if weights.iter().any(|&weight| weight < -BARYCENTRIC_TOLERANCE) {
             self.fault(key, "a negative weight lies outside the triangle", "pick the triangle that holds the point");
         }
@@ -206,6 +207,7 @@ impl Check<'_> {
     pub(super) fn ease(&mut self, ease: Ease, key: &str) {
         let Ease::Bezier([x1, _, x2, _]) = ease else { return };
         if [x1, x2].iter().any(|x| !(0.0..=1.0).contains(x)) {
+            let [x1, x2] = [x1, x2].map(number);
             let what = format!("the curve [x1, y1, x2, y2] runs back in time: x1 = {x1}, x2 = {x2}");
             self.fault(&format!("{key}.ease.bezier"), what, "keep x1 and x2 within 0 to 1");
         }
@@ -215,17 +217,23 @@ impl Check<'_> {
     pub(super) fn box_unit(&mut self, values: &[f64], key: &str) {
         let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
         let hint = format!("offsets in box sizes stay within {LARGEST_COORDINATE}; 1 is the whole box");
-        self.fault(key, format!("{value} box sizes look like pixels"), hint);
+        self.fault(key, format!("{} box sizes look like pixels", number(*value)), hint);
     }
 
     /// Reports numbers that cannot be in frame heights.
     pub(super) fn screen_unit(&mut self, values: &[f64], key: &str, shot: &LayerDefaults) {
         let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
         let height = shot.size.height;
-        let in_heights = (value / f64::from(height.max(1)) * 1e4).round() / 1e4;
+        let in_heights = rounded(value / f64::from(height.max(1)));
+        let [value, in_heights] = [*value, in_heights].map(number);
         let hint = format!("divide pixels by the height of the frame: {value} px of {height} is {in_heights}");
         self.fault(key, format!("{value} frame heights look like pixels"), hint);
     }
+}
+
+/// Rounds to four decimals; numbers so large that none of them counts stay as they are.
+fn rounded(value: f64) -> f64 {
+    if value.abs() < 1e9 { (value * 1e4).round() / 1e4 } else { value }
 }
 
 /// Returns the key of a pin without keys, which holds its position.

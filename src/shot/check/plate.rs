@@ -34,13 +34,16 @@ impl Check<'_> {
         Source::Scene(self.folder().join(raw.scene.as_deref().unwrap_or_default()))
     }
 
-    /// Returns a path that may contain a frame counter.
+    /// Returns a path that may contain a frame counter, unless a file has exactly this name.
     pub(super) fn plate_path(&mut self, raw: &str, key: &str) -> PathBuf {
-        if let Err(ImageError::Pattern { what, .. }) = SequencePath::parse(Path::new(raw)) {
+        let path = self.folder().join(raw);
+        if !path.is_file()
+            && let Err(ImageError::Pattern { what, .. }) = SequencePath::parse(Path::new(raw))
+        {
             let (what, hint) = what.split_once("; ").unwrap_or((&what, "write for example beauty.####.exr"));
             self.fault(key, format!("{raw:?} {what}"), hint);
         }
-        self.folder().join(raw)
+        path
     }
 
     /// Returns the settings of plate warps.

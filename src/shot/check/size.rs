@@ -28,7 +28,7 @@ impl Check<'_> {
         }
         let shown = match source {
             Source::Images(images) => images.first().map(|image| picture_size(image)),
-            Source::Frame => plate.map(|plate| picture_size(&SequencePath::parse(plate)?.path_of(first_frame))),
+            Source::Frame => plate.map(|plate| picture_size(&SequencePath::of_input(plate)?.path_of(first_frame))),
             Source::Scene(_) => None,
         };
         match shown {
