@@ -106,6 +106,12 @@ impl ExportOrder {
         all
     }
 
+    /// Returns a chosen layer whose name cannot stand in a list, because it has a comma; `None` if all layers are exported.
+    pub(in crate::edit) fn unlisted<'a>(&self, layers: impl Iterator<Item = &'a String>) -> Option<&'a String> {
+        let is_list = self.format.has_layers && !self.left_out.is_empty();
+        layers.filter(|name| !self.left_out.contains(*name)).find(|name| is_list && name.contains(','))
+    }
+
     /// Returns a path in the folder of the files that are written; all their names begin with its stem.
     pub(in crate::edit) fn target(&self, shot: &Path) -> PathBuf {
         match self.output.trim() {
@@ -135,7 +141,11 @@ mod tests {
             "--output m/m.####.exr --frames 1-9x2 --layer head,hat --size 64x36 --overscan 8 --inverse --overwrite";
         assert_eq!(words(&order), format!("export /s/a.toml --to stmap {all}"));
         assert_eq!(order.target(Path::new("/s/a.toml")), Path::new("/s/m/m.####.exr"));
+        let names = ["head".to_owned(), "a, b".to_owned()];
+        assert_eq!(order.unlisted(names.iter()), Some(&names[1]));
+        assert_eq!(order.unlisted(names[..1].iter()), None);
         order.format = &EXPORTS[4];
+        assert_eq!(order.unlisted(names.iter()), None, "it always exports all layers");
         assert_eq!(words(&order), "export /s/a.toml --to gltf --output m/m.####.exr --frames 1-9x2 --overwrite");
         order.format = &EXPORTS[5];
         assert!(words(&order).contains("--size") && !words(&order).contains("--inverse"));

@@ -291,12 +291,12 @@ impl<const D: usize> System<D> {
 
     /// Whether the barrier acts on a state that misses the target of a pin or moved handle.
     pub(crate) fn gives_way(&self, unknowns: &[[f64; D]]) -> bool {
-        let misses = |rows: &LeastSquaresRows<D>| {
+        let is_missed = |rows: &LeastSquaresRows<D>| {
             let residuals = (0..rows.len()).map(|row| rows.residual(row, unknowns));
             residuals.map(|by| dot(&by, &by).sqrt()).any(|residual| residual > MIN_RESIDUAL * self.grid.diagonal())
         };
         self.barrier.as_ref().is_some_and(|barrier| !barrier.is_clear(unknowns))
-            && [self.terms.acting_pins(), &self.terms.handles].into_iter().any(misses)
+            && [self.terms.acting_pins(), &self.terms.handles].into_iter().any(is_missed)
     }
 
     /// Names of the unknowns, which identify them at any time; empty if every handle is one unknown.

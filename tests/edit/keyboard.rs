@@ -3,7 +3,7 @@
 use crate::acts::{click, press};
 use crate::seen::says;
 use crate::stage::{PINS, Stage};
-use crate::window::{Window, opened_with, session, settled, window};
+use crate::window::{Window, changes, opened_with, session, settled, window};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;
@@ -124,7 +124,7 @@ fn a_key_that_is_bound_anew_acts_and_the_old_one_does_not() {
 
 #[test]
 fn a_rotation_is_keyed_separately_in_a_row_of_its_own() {
-    let turned = PINS.replacen("offset = [0.1, 0.0] }", "offset = [0.1, 0.0], rotate = 20 }", 1);
+    let turned = PINS.replacen("frame = 1, offset = [0.0, 0.0] }", "frame = 1, offset = [0.0, 0.0], rotate = 20 }", 1);
     let (_stage, mut window) = opened_with(&turned);
     let text = session(&window).document().text().to_owned();
     focus(&mut window, "Keys of a");
@@ -176,4 +176,15 @@ fn nudges_have_keys_of_their_own_and_arrow_keys_other_actions() {
     press(&mut window, Modifiers::NONE, Key::ArrowRight);
     assert!((x(&window) - before - 10.0).abs() < 1e-3, "it nudges nothing");
     assert_eq!(session(&window).playhead.frame(), 2);
+}
+
+#[test]
+fn arrow_keys_move_a_slider_and_nothing_else() {
+    let (_stage, mut window) = opened();
+    window.get_by_label("a").click();
+    window.run_steps(3);
+    let (before, x) = (changes(&window).len(), keys(&window, 0, Channel::X));
+    focus(&mut window, "Strength");
+    press(&mut window, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!((changes(&window).len(), keys(&window, 0, Channel::X)), (before + 1, x), "only the strength changes");
 }

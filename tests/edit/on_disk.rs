@@ -213,7 +213,7 @@ fn an_export_saves_the_shot_and_starts_the_program() {
     for name in ["Lattices (JSON)", "STMaps (EXR)", "Blender script", "glTF with shape keys", "After Effects script"] {
         assert!(has(&window, name), "{name}");
     }
-    click(&mut window, &["Nuke script"]);
+    click(&mut window, &["Nuke script", "Start export"]);
     assert!(saved(&stage).contains("mute"), "what is exported is saved first");
     until(&mut window, "it ends", |window| session(window).message().is_some_and(|told| !told.contains("Exporting")));
     // The program of a test has no exports: that it is asked for one is all that can be seen here.

@@ -313,7 +313,10 @@ fn a_ring_turns_the_keys_that_a_rotation_has_of_its_own() {
     let turned = pinwarp::shot::ChannelKey { value: Rotation::InView(130.0), ..before.rotate_keys[1] };
     assert_eq!(after.rotate_keys[1..], [turned]);
     assert_eq!(session.document().history().labels().last(), Some("Turn pin"));
-    assert_eq!(session.document().text(), text.replace("value = 40", "value = 130.0"));
+    assert_eq!(
+        session.document().text(),
+        text.replace("value = 40", "value = 130.0").replace("\"smooth\" }]", "\"smooth\" } ]")
+    );
     session.undo();
     assert_eq!(session.document().text(), text);
 }

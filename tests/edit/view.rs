@@ -278,6 +278,7 @@ fn a_reference_picture_is_moved_to_the_right_and_up() {
     settled(&mut window);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::R);
     click(&mut window, &["low.png", "Choose", "View", "Reference pictures"]);
+    until_pictures(&mut window, 2);
     let place = |window: &Window| pictures(window)[1].rect;
     let (before, lines) = (place(&window), pictures(&window)[0].rect.height());
     number(&mut window, "Right of low.png", 0.25);

@@ -70,7 +70,13 @@ impl Session {
             return self.say("No pin or handle is chosen: click one first.");
         }
         let shot = self.document.shot();
-        let is_lost = |copied: &&Copied| !receivers.iter().any(|track| copied.fits(*track));
+        let pairs = owners(shot, &receivers, &self.copied);
+        let is_pasted = |copied: &Copied| pairs.iter().any(|(_, pasted)| std::ptr::eq(*pasted, copied));
+        // A channel goes with its pin, or nothing does.
+        let is_lost = |copied: &&Copied| {
+            let is_wanted = || self.copied.iter().any(|other| other.is_beside(copied) && is_pasted(other));
+            !is_pasted(copied) && (is_wanted() || !receivers.iter().any(|track| copied.fits(*track)))
+        };
         let lost = self.copied.iter().filter(is_lost).find_map(|copied| copied.track.channel_name());
         if let Some(channel) = lost {
             return self
@@ -81,7 +87,7 @@ impl Session {
             let by = key_time(&shot.frames, layer, self.playhead.frame()) - first;
             Some(pasted(shot, track, (&copied.keys, by)))
         };
-        let keys: Vec<_> = owners(shot, &receivers, &self.copied).into_iter().filter_map(paste).flatten().collect();
+        let keys: Vec<_> = pairs.iter().copied().filter_map(paste).flatten().collect();
         if keys.is_empty() {
             return self.say("No chosen pin or handle has the name of one whose keys were copied.");
         }

@@ -12,6 +12,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 
 /// The export that is ordered, that runs, and that waits for an answer.
 #[derive(Debug, Default)]
@@ -33,11 +34,17 @@ struct Running {
     order: ExportOrder,
     messages: Receiver<ExportMessage>,
     program: Arc<Program>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Drop for Running {
+    /// Waits until the program has ended and its unfinished files are gone.
     fn drop(&mut self) {
         self.program.end();
+        if let Some(thread) = self.thread.take() {
+            // The export is over, even if its thread panicked.
+            let _ = thread.join();
+        }
     }
 }
 
@@ -174,6 +181,13 @@ impl Session {
             self.export.told = error.to_string();
             return self.say(error.to_string());
         }
+        let names = self.document().shot().layers.iter().map(|layer| &layer.name);
+        if let Some(name) = order.unlisted(names) {
+            let told =
+                format!("Layer '{name}' cannot be chosen: its name has a comma. Rename it, or export all layers.");
+            self.export.told.clone_from(&told);
+            return self.say(told);
+        }
         let shot = self.document().path().to_owned();
         let layers = self.document().shot().layers.iter().map(|layer| layer.name.as_str());
         let (arguments, target) = (order.arguments(&shot, layers), order.target(&shot));
@@ -193,7 +207,9 @@ impl Session {
         self.say("Exporting \u{2026}");
         (self.export.clash, self.export.written, self.export.told) = (None, 0, String::new());
         match std::thread::Builder::new().name("edit: export".into()).spawn(work) {
-            Ok(_) => self.export.running = Some(Running { order: order.clone(), messages, program }),
+            Ok(thread) => {
+                self.export.running = Some(Running { order: order.clone(), messages, program, thread: Some(thread) });
+            }
             Err(error) => self.say(format!("no thread can be started: {error}")),
         }
     }

@@ -225,6 +225,8 @@ impl Session {
                 self.explain_lone_pin();
             }
             Gesture::Turn { base, .. } | Gesture::TurnAbout { base, .. } => self.commit("Turn", &base),
+            // A click without motion changes nothing.
+            Gesture::Region { .. } | Gesture::Stiffness { .. } if self.dragged.is_none() => {}
             Gesture::Region { pin, .. } | Gesture::Stiffness { pin, .. } => {
                 let region = self.shot().layers.get(pin[0]).and_then(|layer| layer.pins.get(pin[1])?.region);
                 self.document.end_series();

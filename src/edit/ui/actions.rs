@@ -15,7 +15,7 @@ impl Editor {
             Action::Reference if self.session.is_some() => self.browse(Purpose::Reference),
             Action::Save => self.save(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
-            Action::Keys => self.shows_keys = !self.shows_keys,
+            Action::Keys => (self.shows_keys, self.rebound) = (!self.shows_keys, None),
             Action::Tour => self.tour(ctx),
             Action::Render => self.render(ctx),
             Action::Curves => self.timeline.toggle_curves(),
@@ -36,7 +36,9 @@ impl Editor {
     /// Handles the keys that widgets with keyboard focus use first: arrow keys, and Escape, which cancels the gesture.
     pub(super) fn late_keys(&mut self, ctx: &egui::Context, now: f64) {
         let Some(session) = self.session.as_mut().filter(|_| !keys::are_taken(ctx)) else { return };
-        if ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
+        // Escape closes an open window first.
+        let is_behind = self.shows_keys || self.browser.is_some();
+        if !is_behind && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             session.cancel();
         }
         let can_nudge = !session.selection.tracks(session.document().shot()).is_empty();

@@ -49,7 +49,7 @@ pub struct Editor {
     textures: Textures,
     pub(super) shows_keys: bool,
     /// The action that is waiting for its new key.
-    rebound: Option<Action>,
+    pub(super) rebound: Option<Action>,
     tour: Option<Tour>,
     pub(super) shows_render: bool,
     pub(super) questions: Questions,

@@ -33,10 +33,20 @@ fn clipboard_chord(event: &egui::Event) -> Option<Chord> {
 fn presses_button(ctx: &egui::Context, chord: &Chord) -> bool {
     let is_plain = !chord.command && !chord.shift && !chord.alt;
     let is_pressing = is_plain && matches!(key(chord), Some(Key::Space | Key::Enter));
-    let focused = ctx.memory(|memory| memory.focused()).filter(|_| is_pressing);
     // The picture, rows and curves are dragged, too.
-    let sense = focused.and_then(|id| ctx.read_response(id)).map(|response| response.sense);
-    sense.is_some_and(|sense| sense.senses_click() && !sense.senses_drag())
+    is_pressing && focused_sense(ctx).is_some_and(|sense| sense.senses_click() && !sense.senses_drag())
+}
+
+/// Returns whether a slider has keyboard focus, which arrow keys move.
+fn moves_slider(ctx: &egui::Context) -> bool {
+    // The picture, rows and curves are clicked, too.
+    focused_sense(ctx).is_some_and(|sense| sense.senses_drag() && !sense.senses_click())
+}
+
+/// Returns what the widget with keyboard focus responds to.
+fn focused_sense(ctx: &egui::Context) -> Option<egui::Sense> {
+    let focused = ctx.memory(|memory| memory.focused())?;
+    ctx.read_response(focused).map(|response| response.sense)
 }
 
 /// Returns whether keys are meant for a text field or a question, and trigger nothing else.
@@ -92,7 +102,7 @@ pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action>
 /// Returns the actions whose arrow keys were pressed and taken by no widget; none while keys are taken. `can_nudge`: whether
 /// something is selected; else the keys of nudges move the focus.
 pub(super) fn pressed_arrows(ctx: &egui::Context, shortcuts: &Shortcuts, can_nudge: bool) -> Vec<Action> {
-    if are_taken(ctx) {
+    if are_taken(ctx) || moves_slider(ctx) {
         return Vec::new();
     }
     let is_taken = |action: &Action| {
@@ -105,7 +115,7 @@ pub(super) fn pressed_arrows(ctx: &egui::Context, shortcuts: &Shortcuts, can_nud
 
 /// Returns whether the key of an action is held.
 pub(super) fn is_held(ctx: &egui::Context, shortcuts: &Shortcuts, action: Action) -> bool {
-    if ctx.text_edit_focused() {
+    if are_taken(ctx) {
         return false;
     }
     let key = shortcuts.of(action).and_then(key);

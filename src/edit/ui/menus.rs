@@ -191,7 +191,8 @@ pub(super) fn state(ui: &mut Ui, session: &Session, background: &[RenderRun]) {
             if icons::button(ui, Icon::Minus, &format!("Cancel the render of {name}")).clicked() {
                 run.cancel();
             }
-            ui.add(progress(run)).on_hover_text(format!("Rendering {}", run.shot.display()));
+            let bar = ui.add(progress(run)).on_hover_text(format!("Rendering {}", run.shot.display()));
+            bar.accessible_name(format!("Rendering {name}"));
         }
         session.run().filter(|run| run.is_running()).into_iter().for_each(|run| _ = ui.add(progress(run)));
         ui.weak(sign);

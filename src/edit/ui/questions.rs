@@ -4,7 +4,7 @@
 
 use super::dialogs::{Answer, ask};
 use super::editor::{Deferred, Editor};
-use crate::edit::{DiskChange, Document, EditError, RunState, Session, forget, unfinished};
+use crate::edit::{DiskChange, Document, EditError, RenderRun, RunState, Session, forget, unfinished};
 use crate::files::is_same_file;
 use crate::spelling::pluralised;
 use eframe::egui;
@@ -48,6 +48,8 @@ impl Editor {
             Deferred::Open(files) => self.open_files(ctx, files),
             Deferred::Tour => self.begin_tour(ctx),
             Deferred::Quit => {
+                self.session.iter().for_each(Session::cancel_render);
+                self.background.iter().for_each(RenderRun::cancel);
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
@@ -79,7 +81,10 @@ impl Editor {
         }
         if let Some(session) = self.session.as_ref().filter(|_| answer == Answer::Second) {
             session.cancel_export();
-            session.cancel_render();
+            // A render beside an export goes on in the background.
+            if !is_exporting {
+                session.cancel_render();
+            }
         }
         self.carry_out(ctx, deferred);
     }

@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn faults_name_their_line_and_a_remedy() {
-        let world = "lattice = { space = 'world', dims = [3, 3, 3] }\n";
+        let world = "lattice = { space = 'world', dims = [4, 4, 4] }\n";
         let cases = [
             (
                 "keys = [{ frame = 1, rotate = 5 }]\nrotate_keys = [{ frame = 1, value = 5 }]",

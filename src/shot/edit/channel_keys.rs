@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn angles_about_axes_and_scales_are_read_back_bit_for_bit() {
-        let text = "scene = 'a.glb'\n[[layer]]\nname = 'a'\nlattice = { space = 'world', dims = [3, 3, 3] }\n\
+        let text = "scene = 'a.glb'\n[[layer]]\nname = 'a'\nlattice = { space = 'world', dims = [4, 4, 4] }\n\
                     pin = [{ name = 'p', anchor = { screen = [0.5, 0.5], frame = 1 } }]\n";
         let text = format!("frames = {{ first = 1, last = 9 }}\n{text}");
         let rotations = [ChannelKey { frame: 2.0, value: Rotation::Axes([0.1, 1.0 / 3.0, -720.0]), ease: Ease::Hold }];
