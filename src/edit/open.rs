@@ -45,7 +45,7 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
 
 /// Creates a shot that warps finished frames of another renderer as whole pictures.
 fn plates(pattern: &Path, shot: &Path) -> Result<Document, EditError> {
-    let sequence = SequencePath::parse(pattern)?;
+    let sequence = SequencePath::of_input(pattern)?;
     let frames = sequence.frames_on_disk()?.unwrap_or_default();
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
         return Err(EditError::Unusable {
@@ -106,7 +106,7 @@ fn is_shot_of(shot: &Path, file: &Path) -> bool {
 /// Returns whether two paths lead to one file, or are one sequence: `frame.####.exr` and `frame.%04d.exr`.
 fn is_same(one: &Path, other: &Path) -> bool {
     let [one, other] = [one, other].map(|path| {
-        let path = SequencePath::parse(path).map_or_else(|_| path.to_owned(), |sequence| sequence.path_of(0));
+        let path = SequencePath::of_input(path).map_or_else(|_| path.to_owned(), |sequence| sequence.path_of(0));
         path.canonicalize().unwrap_or_else(|_| located(&path))
     });
     one == other

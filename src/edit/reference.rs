@@ -132,7 +132,7 @@ impl Reference {
         if self.path.is_file() {
             return Ok(self.path.clone());
         }
-        Ok(SequencePath::parse(&self.path)?.path_of(frame))
+        Ok(SequencePath::of_input(&self.path)?.path_of(frame))
     }
 }
 

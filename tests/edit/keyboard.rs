@@ -4,7 +4,7 @@ use crate::acts::{click, press};
 use crate::seen::says;
 use crate::stage::{PINS, Stage};
 use crate::window::{Window, changes, opened_with, session, settled, window};
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{self, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;
 use std::fs;
@@ -184,7 +184,8 @@ fn arrow_keys_move_a_slider_and_nothing_else() {
     window.get_by_label("a").click();
     window.run_steps(3);
     let (before, x) = (changes(&window).len(), keys(&window, 0, Channel::X));
-    focus(&mut window, "Strength");
+    window.get_by_role_and_label(egui::accesskit::Role::Slider, "Strength").focus();
+    window.run_steps(3);
     press(&mut window, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!((changes(&window).len(), keys(&window, 0, Channel::X)), (before + 1, x), "only the strength changes");
 }

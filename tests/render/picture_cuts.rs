@@ -200,9 +200,9 @@ fn the_order_of_a_part_says_whether_it_is_in_front() {
     let held = [0.0; 2];
     let body = pins(&[(18.0, 10.0, held), (38.0, 40.0, held), (28.0, 55.0, held)]);
     let hand = pins(&[(55.0, 46.0, [-25.0, 0.0])]);
-    let is_in_front = |cut: &str, of_hand: &str, of_body: &str| {
+    let seen_in_front = |cut: &str, [body, hand]: [&str; 2], [of_body, of_hand]: [&str; 2]| {
         let ordered = |pins: &str, order: &str| pins.replace("keys = ", &format!("{order}\nkeys = "));
-        let pins = ordered(&body, of_body) + &ordered(&hand, of_hand);
+        let pins = ordered(body, of_body) + &ordered(hand, of_hand);
         let (frame, _) = wall.render(wall.shot(&text_of("one.exr", cut, &pins)));
         std::fs::remove_dir_all(wall.folder.path().join("out")).expect("frames were written");
         // What is seen where the hand now is, and how far it is from the colours of body and arm.
@@ -210,6 +210,7 @@ fn the_order_of_a_part_says_whether_it_is_in_front() {
         assert!(body.min(arm) < 0.1, "{cut}: {body} from the body, {arm} from the arm");
         arm < body
     };
+    let is_in_front = |cut: &str, of_hand: &str, of_body: &str| seen_in_front(cut, [&body, &hand], [of_body, of_hand]);
     let mask = |order: &str| format!("{{ mask = {{ file = 'arm.png' }}, {order} }}");
     assert!(is_in_front(&mask("order = 1"), "", ""));
     assert!(!is_in_front(&mask("order = -1"), "", ""));
@@ -220,6 +221,10 @@ fn the_order_of_a_part_says_whether_it_is_in_front() {
     }
     assert!(!is_in_front(&mask("order = 1"), "", "order = 2"), "pins of the body say what of it is in front");
     assert!(is_in_front(&mask("order = -1"), "order = 1", ""), "the pin of the part goes before");
+    let fixed = [&body, &hand].map(|pins| pins.replace(", frame = 1 }", " }"));
+    assert_ne!(fixed, [body.clone(), hand.clone()]);
+    let is_seen = seen_in_front(&mask("order = -1"), [&fixed[0], &fixed[1]], ["", "order = 1"]);
+    assert!(is_seen, "so does one at a place of the screen");
 }
 
 /// The fault of a shot of a picture with these cuts.

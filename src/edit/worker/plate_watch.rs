@@ -43,7 +43,7 @@ impl PlateWatch {
     /// Watches the plates of a shot.
     pub(super) fn of(shot: &Shot) -> Self {
         let (pattern, range) = (pattern(shot).cloned(), [shot.frames.first, shot.frames.last]);
-        let sequence = pattern.as_deref().and_then(|pattern| SequencePath::parse(pattern).ok());
+        let sequence = pattern.as_deref().and_then(|pattern| SequencePath::of_input(pattern).ok());
         let file = |(path, frames): (PathBuf, [i32; 2])| PlateFile { stamp: stamp(&path), path, frames };
         let files = match sequence {
             None => Vec::new(),

@@ -15,6 +15,9 @@ use crate::spelling::pluralised;
 /// Distance from its target above which a pin is reported, pixels.
 const PIN_TOLERANCE_PX: f64 = 0.05;
 
+/// Distance from its target above which a handle of a world layer is reported, metres.
+const HANDLE_TOLERANCE_M: f64 = 5e-5;
+
 /// Returns the report of the solves of a frame.
 #[must_use]
 pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> FrameReport {
@@ -161,7 +164,7 @@ fn handle_warnings(layer: &Layer, solve: &SolveReport, height_px: f64) -> Vec<St
             let distance = format!("{:.1} px", error * height_px);
             Some(guarded(layer, solve, &format!("handle [{column}, {row}]"), &distance))
         }
-        LayerSpace::World { .. } if error > 0.0 => {
+        LayerSpace::World { .. } if error > HANDLE_TOLERANCE_M => {
             Some(guarded(layer, solve, &format!("handle {index:?}"), &format!("{error:.4} m")))
         }
         _ => None,

@@ -67,7 +67,8 @@ fn orders(
         let pins = layer.pins.iter().zip(prepared.anchors_of(index)).filter(|(pin, _)| !pin.is_muted);
         let held = pins.filter_map(|(pin, anchor)| {
             let rest = anchor.rest(&mesh, &now.camera);
-            let place = (rest.point.0.to_array(), held_triangle(anchor, starts));
+            let at = rest.point.0.to_array();
+            let place = (at, held_triangle(anchor, starts).or_else(|| triangle_at(branches, at)));
             (rest.presence > 0.0).then(|| (place, order_at(&pin.order, key_frame)))
         });
         let (places, of_pins): (Vec<_>, Vec<_>) = held.unzip();
@@ -81,6 +82,19 @@ fn orders(
         }
     }
     Some(orders.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Returns the triangle of a shape at rest that a point lies on; `None` beside the shape.
+fn triangle_at(branches: &BranchedLattice<2>, at: [f64; 2]) -> Option<u32> {
+    let holds = |corners: &[[f64; 2]]| {
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        let crosses = sides.map(|(a, b)| (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0]));
+        let (least, most) =
+            crosses.fold((0.0_f64, 0.0_f64), |(least, most), cross| (least.min(cross), most.max(cross)));
+        least >= 0.0 || most <= 0.0
+    };
+    let mut pieces = branches.pieces_of_triangles();
+    pieces.find(|(.., corners)| holds(corners)).map(|(triangle, ..)| triangle as u32)
 }
 
 /// Returns a function from the triangles of a shape to the last of some parts that has them. `parts`: with one flag for every triangle at

@@ -5,6 +5,7 @@
 //! scene.
 
 use crate::pipeline::evaluate::frame_cache::FrameCache;
+use crate::pipeline::evaluate::topology::check_branching;
 use crate::pipeline::prepare::attach_pins;
 use crate::pipeline::prepare::{auto_dims, stiffness};
 use crate::pipeline::{PipelineError, PreparedShot};
@@ -99,6 +100,7 @@ impl OpenShot {
             Rework::Layers => {
                 let gallery = self.prepared.gallery.clone();
                 let again = PreparedShot::with_scene(colour_only(shot.clone()), self.prepared.scene.clone())?;
+                check_branching(&again)?;
                 self.prepared = PreparedShot { gallery, ..again };
             }
             Rework::Scene => self.prepared = PreparedShot::new(colour_only(shot.clone()))?,

@@ -2,6 +2,7 @@
 //!
 //! In: raw pins and handles. Out: [`Pin`]s and [`HandleTrack`]s, each with at least one key.
 
+use super::connectivity::SHAPE_HINT;
 use super::place::PinKind;
 use super::{Check, Kind, LayerDefaults};
 use crate::shot::raw::{RawAnchor, RawHandle, RawOrder, RawOrderKey, RawPin, RawSpace};
@@ -124,11 +125,11 @@ impl Check<'_> {
     pub(super) fn order(&mut self, raw: Option<&RawOrder>, key: &str, shot: &LayerDefaults) -> Vec<OrderKey> {
         let Some(raw) = raw else { return Vec::new() };
         if shot.source != Kind::Images {
-            let what = match shot.source {
-                Kind::Frame => "the parts of a plate have no shape that could overlap",
-                _ => "in a scene parts lie in front of each other by their depth",
+            let (what, hint) = match shot.source {
+                Kind::Frame => ("the parts of a plate have no shape that could overlap", SHAPE_HINT),
+                _ => ("in a scene parts lie in front of each other by their depth", "remove it, or warp an `image`"),
             };
-            self.fault(key, what, "remove it, or warp an `image`");
+            self.fault(key, what, hint);
         }
         match raw {
             RawOrder::Always(value) => vec![OrderKey { frame: 0.0, value: *value }],
