@@ -224,6 +224,43 @@ fn poses_of_other_figures_are_better_than_on_a_plain_lattice() {
     }
 }
 
+/// Limbs without a moving pin move about as far as those of the mesh itself.
+#[test]
+fn limbs_whose_pins_rest_stay_where_they_are() {
+    /// A pixel of a figure that is 1080 pixels high.
+    const PIXEL: f64 = 1.0 / 1080.0;
+    let mut excess = Vec::new();
+    for seed in 1..=4 {
+        let puppet = Puppet::random(seed);
+        let (shape, posed) = (puppet.mesh(SPACING), puppet.posed(&mut Random(100 + seed)));
+        for moved in 0..puppet.limbs.len() {
+            let mut pins = puppet.pins();
+            pins[3 + moved].target = posed[3 + moved].target;
+            let (arap, _) = Arap::default().deform(&shape, &pins).expect("solvable");
+            let solution = solved(&shape, &pins, [41, 64], Topology::Branching);
+            let mut farthest = vec![[0.0_f64; 2]; puppet.limbs.len()];
+            for (triangle, corner) in
+                shape.triangles.iter().enumerate().flat_map(|(k, all)| all.map(|corner| (k, corner)))
+            {
+                let rest = shape.points[corner as usize];
+                if let Some([lattice, mesh]) = puppet.limb_at(rest).map(|limb| &mut farthest[limb]) {
+                    *lattice = lattice.max(gap(image(&solution, &shape, triangle, corner), rest));
+                    *mesh = mesh.max(gap(arap[corner as usize], rest));
+                }
+            }
+            let others = farthest.iter().enumerate().filter(|(limb, _)| *limb != moved);
+            excess.extend(others.map(|(_, [lattice, mesh])| (lattice - mesh) / PIXEL));
+        }
+    }
+    let above = excess.iter().filter(|&&excess| excess > 0.5).count();
+    let most = excess.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    println!(
+        "{above} of {} limbs move more than 0.5 px farther than those of the mesh, at most {most:.2}",
+        excess.len()
+    );
+    assert!(above <= 2 && most < 1.5, "{above} limbs, {most} px");
+}
+
 /// The region of a pin is that of its part: a hand that hangs beside the skirt does not stiffen it.
 #[test]
 fn regions_of_pins_end_where_their_part_does() {

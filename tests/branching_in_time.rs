@@ -3,6 +3,7 @@
 #[path = "support/bisection.rs"]
 mod bisection;
 #[path = "support/puppet.rs"]
+#[expect(dead_code, reason = "another test asks for limbs")]
 mod puppet;
 
 use bisection::jump;

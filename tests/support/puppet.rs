@@ -31,6 +31,13 @@ pub(crate) struct Puppet {
     pub(crate) hem: [[f64; 2]; 2],
 }
 
+/// Distance of a point from a stroke; negative inside.
+fn distance(&[a, b]: &[[f64; 3]; 2], p: [f64; 2]) -> f64 {
+    let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+    let t = ((ab[0] * ap[0] + ab[1] * ap[1]) / (ab[0] * ab[0] + ab[1] * ab[1]).max(1e-12)).clamp(0.0, 1.0);
+    (ap[0] - t * ab[0]).hypot(ap[1] - t * ab[1]) - (a[2] + t * (b[2] - a[2]))
+}
+
 impl Puppet {
     /// A girl with two tails of hair, arms beside a skirt, and legs; no gap between her parts is wider than 3 % of her height.
     pub(crate) fn girl() -> Self {
@@ -96,11 +103,15 @@ impl Puppet {
     }
 
     fn is_inside(&self, p: [f64; 2]) -> bool {
-        self.strokes.iter().any(|&[a, b]| {
-            let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-            let t = ((ab[0] * ap[0] + ab[1] * ap[1]) / (ab[0] * ab[0] + ab[1] * ab[1]).max(1e-12)).clamp(0.0, 1.0);
-            (ap[0] - t * ab[0]).hypot(ap[1] - t * ab[1]) < a[2] + t * (b[2] - a[2])
-        })
+        self.strokes.iter().any(|stroke| distance(stroke, p) < 0.0)
+    }
+
+    /// The limb to which a point belongs, in the order of `limbs`; `None` for the body.
+    pub(crate) fn limb_at(&self, p: [f64; 2]) -> Option<usize> {
+        let distances = self.strokes.iter().map(|stroke| distance(stroke, p)).enumerate();
+        let (nearest, _) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // Four strokes of the body come first, then two per limb, then the skirt.
+        nearest.checked_sub(4).map(|stroke| stroke / 2).filter(|&limb| limb < self.limbs.len())
     }
 
     /// Its mesh: rows of points `spacing` apart, and the triangles among them that lie inside.
