@@ -123,7 +123,10 @@ mod tests {
     const TEXT: &str = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n\
                         [[layer]]\nname = 'arm'\nlattice = { dims = [6, 6] }\n";
 
-    fn offsets(session: &Session) -> Vec<([usize; 3], Vec<(f64, [f64; 3])>)> {
+    /// A handle with the frames and offsets of its keys.
+    type Offsets = ([usize; 3], Vec<(f64, [f64; 3])>);
+
+    fn offsets(session: &Session) -> Vec<Offsets> {
         let handles = &session.document().shot().layers[0].handles;
         let keys = |track: &HandleTrack| track.keys.iter().map(|key| (key.frame, key.offset)).collect();
         handles.iter().map(|track| (track.index, keys(track))).collect()
