@@ -185,15 +185,13 @@ fn layer(facts: &TemplateFacts) -> String {
         // Handle indices have as many numbers as dims, which an automatic lattice does not have.
         Subject::Image => (IMAGE_LATTICE, IMAGE_REGION, ""),
     };
-    // Parts of drawings are thin, and fold where their joints bend sharply.
-    let solve = if facts.subject == Subject::Image { "solve  " } else { "# solve" };
     format!(
         "## One lattice bends everything in a layer. Nodes with meshes: {nodes}
 [[layer]]
 name    = \"all\"
 # nodes = [{node}]
 ##        names with * and ?, each with what hangs below it; default: everything
-{solve} = {{ guard = \"limit\" }}           # keeps anything from folding; preset = \"paper\" instead is the method as published
+# solve = {{ guard = \"report\" }}          # folds are reported, not prevented; preset = \"paper\" instead is the method as published
 # step = 1                              # instead of the shot's
 # strength = 1.0                        # times the shot's
 {lattice}

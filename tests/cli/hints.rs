@@ -93,7 +93,7 @@ fn folding(offset: &str) -> Bench {
         &scene.json(),
         &format!("{HEAD}{pins}{OUTPUT}")
             .replace("dims = [4, 4]", "dims = [8, 8], topology = \"plain\"")
-            .replace("name = \"all\"", "name = \"all\"\nsolve = { temporal = 0 }"),
+            .replace("name = \"all\"", "name = \"all\"\nsolve = { temporal = 0, guard = \"report\" }"),
     )
 }
 

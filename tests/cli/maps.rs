@@ -254,6 +254,7 @@ samples = 1
 
 [[layer]]
 name = "all"
+solve = { guard = "report" }
 lattice = { dims = [4, 2], basis = "bilinear", topology = "plain", box = { fixed = [0.0, 0.0, 1.7777777778, 1.0] } }
   [[layer.handle]]
   index = [1, 0]

@@ -22,7 +22,7 @@ fn crossing() -> String {
         )
     };
     let pins: Vec<String> = pins.into_iter().enumerate().map(pin).collect();
-    ["coarse on purpose\n", &pins.concat()].concat()
+    ["coarse on purpose\nsolve = { guard = \"report\" }\n", &pins.concat()].concat()
 }
 
 /// The third frame of the shot with pins, in which both pull.

@@ -4,6 +4,7 @@ use crate::assets::asset;
 use crate::support::Studio;
 use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample, lattices, report};
 use pinwarp::shot::Shot;
+use pinwarp::solve::Guard;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -274,7 +275,9 @@ fn a_leg_that_is_cut_off_by_its_joints_stays_on_the_body() {
 #[test]
 fn folds_beside_a_drawing_are_not_reported_as_its_own() {
     let folded = |dims: &str| {
-        let prepared = Studio::puppet(dims, "branching").prepared();
+        let mut studio = Studio::puppet(dims, "branching");
+        studio.shot.layers[0].settings.guard = Guard::Report;
+        let prepared = studio.prepared();
         let sample = prepared.mid_exposure(11).expect("solvable");
         let told = report(&prepared, 11, &sample).warnings;
         let solution = sample.layers[0].solution.as_ref().expect("its pins act");

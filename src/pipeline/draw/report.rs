@@ -9,7 +9,7 @@ use crate::pipeline::evaluate::topology::branching_remedy;
 use crate::pipeline::trajectories::{TimedNote, note_at};
 use crate::pipeline::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
 use crate::shot::{Layer, LayerSpace};
-use crate::solve::{ResidualReason, SolveReport, Spread};
+use crate::solve::{Guard, ResidualReason, SolveReport, Spread};
 use crate::spelling::pluralised;
 
 /// Distance from its target above which a pin is reported, pixels.
@@ -179,9 +179,13 @@ fn fold_warning(layer: &Layer, solve: &SolveReport, branching_remedy: &str) -> O
         return None;
     }
     let cells = pluralised(solve.folded_model_cells, "cell of the lattice", "cells of the lattice");
+    let guard_remedy = match layer.settings.guard {
+        Guard::Report => ", or let `solve = { guard = \"limit\" }` keep it from folding",
+        Guard::Limit => "",
+    };
     Some(format!(
         "layer '{}': the model folds over itself in {cells}; move its pins less or farther apart, add pins that hold what \
-         lies between{branching_remedy}, or let `solve = {{ guard = \"limit\" }}` keep it from folding (--overlay shows the cells in red)",
+         lies between{branching_remedy}{guard_remedy} (--overlay shows the cells in red)",
         layer.name
     ))
 }

@@ -8,10 +8,14 @@ use super::slenderness::Slenderness;
 use crate::lattice::MAX_HANDLES;
 use crate::pipeline::{PinAnchor, PreparedShot};
 use crate::shot::{LayerSpace, Source};
+use crate::solve::Guard;
 use std::sync::PoisonError;
 
-/// Number of spans across a thin part: enough to bend at a joint, and few enough to bend in a smooth arc (docs/METHOD.md has the measurements).
-const SPANS_ACROSS: f64 = 2.5;
+/// Number of spans across a thin part: as little distortion as a mesh has (docs/METHOD.md has the measurements).
+const SPANS_ACROSS: f64 = 5.0;
+
+/// Number of spans across a thin part that nothing keeps from folding: few enough to bend in an arc where a finer lattice folds.
+const SPANS_ACROSS_UNGUARDED: f64 = 2.5;
 
 /// Number of spans between two neighbouring pins, so that they do not share all of their handles.
 const SPANS_BETWEEN_PINS: f64 = 2.0;
@@ -69,7 +73,11 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     let Slenderness::Seen(thickness) = slenderness(prepared, index) else {
         return coarsest("for nothing is seen of it");
     };
-    let thin = thickness.map(|thickness| thickness / SPANS_ACROSS);
+    let across = match layer.settings.guard {
+        Guard::Limit => SPANS_ACROSS,
+        Guard::Report => SPANS_ACROSS_UNGUARDED,
+    };
+    let thin = thickness.map(|thickness| thickness / across);
     let frame = f64::from(prepared.shot.reference_frame());
     let sides = box_sides(prepared, index, frame);
     let nearest = nearest_pins(prepared, index, frame);

@@ -11,7 +11,7 @@ use crate::shot::raw::{
     RawSpace,
 };
 use crate::shot::{BoxOrientation, BoxRule, Layer, LayerSpace, Selection, Unmatted, WorldBoxRule};
-use crate::solve::{Lambdas, Minima, OutsidePins, Regularizer, Sampling, Settings, Topology};
+use crate::solve::{Guard, Lambdas, Minima, OutsidePins, Regularizer, Sampling, Settings, Topology};
 use crate::space::{ScreenBox, ScreenPoint};
 
 /// Returns whether a layer moves a whole plate, not a part of it.
@@ -37,7 +37,7 @@ impl Check<'_> {
         let space = self.lattice(&raw, &format!("{key}.lattice"), shot);
         self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
-        let settings = self.settings(&raw.solve, &format!("{key}.solve"));
+        let settings = self.settings((&raw.solve, shot.space), &format!("{key}.solve"));
         let topology = self.topology(&raw, (&settings, shot), &key);
         let settings = Settings { topology, ..settings };
         let (nodes, is_rest) = nodes(raw.nodes);
@@ -248,7 +248,7 @@ impl Check<'_> {
         topology
     }
 
-    fn settings(&mut self, raw: &RawSolve, key: &str) -> Settings {
+    fn settings(&mut self, (raw, space): (&RawSolve, RawSpace), key: &str) -> Settings {
         let parts = [
             ("energy", raw.energy.is_some()),
             ("regularizer", raw.regularizer.is_some()),
@@ -279,7 +279,7 @@ impl Check<'_> {
             (settings.iteration_limit, settings.acceleration, settings.tolerance) = (iterations as usize, 0, -1.0);
         }
         settings.weights = raw.weights.unwrap_or(settings.weights);
-        settings.guard = raw.guard.unwrap_or(settings.guard);
+        settings.guard = raw.guard.unwrap_or(default_guard(raw, space));
         if raw.weights.is_some() && !settings.energy.has_edge_weights() {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
@@ -287,6 +287,17 @@ impl Check<'_> {
         settings.max_stretch = raw.max_stretch.unwrap_or(settings.max_stretch);
         settings.temporal = raw.temporal.unwrap_or(settings.temporal);
         settings.with_smoothness(raw.smoothness.unwrap_or(1.0))
+    }
+}
+
+/// Returns the guard of a layer that names none: folds are prevented on the screen, and reported in space, where that takes long, and
+/// with the published method, the weights of problem files or a fixed number of iterations.
+fn default_guard(raw: &RawSolve, space: RawSpace) -> Guard {
+    let is_reference =
+        matches!(raw.preset, Some(RawPreset::Paper)) || raw.lambdas.is_some() || raw.iterations.is_some();
+    match space {
+        RawSpace::Screen if !is_reference => Guard::Limit,
+        RawSpace::Screen | RawSpace::World => Guard::Report,
     }
 }
 
