@@ -136,7 +136,7 @@ fn check_idle_keys(shot: &Shot, assignment: &LayerAssignment) -> Result<(), Pipe
 }
 
 /// Returns the first key of a layer that acts on branching lattices alone.
-fn branching_key(layer: &Layer) -> Option<String> {
+pub(crate) fn branching_key(layer: &Layer) -> Option<String> {
     let pin = layer.pins.iter().position(|pin| !pin.order.is_empty()).map(|pin| format!("pin[{pin}].order"));
     let Connectivity { cuts, joins, .. } = &layer.connectivity;
     let has = |list: bool, key: &str| list.then(|| format!("lattice.{key}"));

@@ -4,8 +4,8 @@
 
 use super::Check;
 use crate::image::{SequencePath, picture_size, sequence_size};
-use crate::shot::{FrameRange, Source};
 use crate::shot::raw::RawShot;
+use crate::shot::{FrameRange, Source};
 use crate::space::FrameSize;
 use std::path::Path;
 
