@@ -119,7 +119,7 @@ impl Editor {
 
     /// Opens the work that a killed editor left in a journal.
     pub(super) fn recover(&mut self, ctx: &egui::Context, journal: &Path) -> Result<(), EditError> {
-        let document = Document::recovered(journal)?;
+        let document = Document::recovered(journal)?.allowing(self.options.access);
         self.left.retain(|left| left.journal != journal);
         self.begin(ctx, document);
         Ok(())
