@@ -13,6 +13,7 @@ impl Editor {
             Action::Open => self.browse(Purpose::Open),
             Action::SaveAs if self.session.is_some() => self.browse(Purpose::SaveAs),
             Action::Reference if self.session.is_some() => self.browse(Purpose::Reference),
+            Action::Plate if self.session.is_some() => self.browse(Purpose::Plate),
             Action::Save => self.save(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Keys => (self.shows_keys, self.rebound) = (!self.shows_keys, None),

@@ -315,6 +315,7 @@ impl Editor {
         match (purpose, &mut self.session) {
             (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
             (Purpose::SaveAs, _) => self.try_save_as(path),
+            (Purpose::Plate, Some(session)) => session.set_plate(Some(path)),
             (Purpose::Reference, Some(session)) => {
                 if let Err(error) = session.add_reference(path) {
                     session.say(error.to_string());
