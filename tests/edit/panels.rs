@@ -77,7 +77,8 @@ fn a_render_goes_on_in_the_background_or_is_cancelled_when_another_shot_is_opene
 fn a_render_is_cancelled_for_another_file_only_if_that_opens() {
     let stage = Stage::new();
     let [broken, other] = ["broken.toml", "other.toml"].map(|name| stage.folder.path().join(name));
-    fs::write(stage.shot(), SHOT.replace("last = 6", "last = 5000")).expect("written");
+    let many = SHOT.replace("last = 6", "last = 5000").replace("samples = 4", "samples = 64");
+    fs::write(stage.shot(), many).expect("written");
     fs::write(&broken, "scene = ").expect("written");
     fs::write(&other, SHOT.replace("out/frame", "out/other")).expect("written");
     let mut window = window(&stage.state(), Some(&stage.shot()));
