@@ -36,6 +36,7 @@ pub use draw::report::report;
 pub use error::PipelineError;
 pub(crate) use evaluate::screen_layer::{LayerSolver, LayerTask};
 pub use evaluate::time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
+pub(crate) use evaluate::topology::branching_key;
 pub use interchange::bake::BakeTimes;
 pub use interchange::lattice_tracks::lattices;
 pub use interchange::layer_problem::{LayerProblem, layer_problem};

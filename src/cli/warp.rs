@@ -7,7 +7,7 @@ use super::progress::EventPrinter;
 use super::render::cancel_on_interrupt;
 use super::warp_args::WarpArgs;
 use crate::export::LatticeFile;
-use crate::image::{SequencePath, picture_size};
+use crate::image::{SequencePath, sequence_size};
 use crate::pipeline::{self, Keeping, PlateWarp, PreparedShot, WarpDirection, WarpJob};
 use crate::plate::{Holes, WarpSettings};
 use crate::shot::{Shot, Source};
@@ -50,10 +50,9 @@ fn prepared(args: &WarpArgs) -> anyhow::Result<PreparedShot> {
     if shot.source == Source::Frame && !shot.lines.has("size") {
         let plate = SequencePath::of_input(&plate(args, Some(&shot))?)?;
         let range = shot.frames.first..=shot.frames.last;
-        let frames = args.frames.as_ref().map_or_else(|| range.collect(), |list| list.0.clone());
-        let size = |frame| picture_size(&plate.path_of(frame));
+        let frames: Vec<i32> = args.frames.as_ref().map_or_else(|| range.collect(), |list| list.0.clone());
         let first = frames.first().copied().unwrap_or(shot.frames.first);
-        shot.size = frames.into_iter().find_map(|frame| size(frame).ok()).map_or_else(|| size(first), Ok)?;
+        shot.size = sequence_size(&plate, (first, frames.into_iter()))?;
     }
     let outputs = args.output.iter().chain([&shot.output.path]).cloned().collect::<Vec<_>>();
     Ok(PreparedShot::new(shot)?.keeping_trajectories(outputs.iter().map(PathBuf::as_path), Keeping::Write))

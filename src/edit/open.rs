@@ -16,6 +16,10 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`EditError`] if it cannot be read or its type is not supported.
 pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
+    Ok(document_of(path, access)?.allowing(access))
+}
+
+fn document_of(path: &Path, access: FileAccess) -> Result<Document, EditError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     if ending == "toml" {
         return Document::open(path);
@@ -37,10 +41,7 @@ pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
         what: format!("{}: the name is not valid Unicode", path.display()),
         hint: "rename it".into(),
     })?;
-    let document = Document::new(&beside, template::write(name, &facts))?;
-    // A shot allows other files than those of the scene's folder only if it says so.
-    let is_as_allowed = access == FileAccess::SceneFolder || document.shot().allow_outside;
-    Ok(document.with_scene(scene.filter(|_| is_as_allowed)))
+    Ok(Document::new(&beside, template::write(name, &facts))?.with_scene(scene))
 }
 
 /// Creates a shot that warps finished frames of another renderer as whole pictures.

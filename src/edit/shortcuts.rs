@@ -95,6 +95,7 @@ actions! {
     SaveAs "save_as" "File" "Save as" "Ctrl+Shift+S",
     Render "render" "File" "Render" "Ctrl+R",
     Reference "reference" "File" "Reference picture" "Ctrl+Shift+R",
+    Plate "plate" "File" "Choose plate" "Ctrl+P",
     Quit "quit" "File" "Quit" "Ctrl+Q",
     Undo "undo" "Edit" "Undo" "Ctrl+Z",
     Redo "redo" "Edit" "Redo" "Ctrl+Shift+Z",

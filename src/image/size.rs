@@ -1,11 +1,12 @@
 //! Reads the size of a picture without decoding it.
 //!
-//! In: the path of a PNG, JPEG or EXR file. Out: its display window as a [`FrameSize`].
+//! In: the path of a PNG, JPEG or EXR file, or of a sequence. Out: its display window as a [`FrameSize`].
 
-use super::{ImageError, PictureKind};
+use super::{ImageError, PictureKind, SequencePath};
 use crate::space::FrameSize;
 use ::image::metadata::Orientation;
 use ::image::{ImageDecoder, ImageReader};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Returns the size of a picture's display window. Reads only the header.
@@ -31,6 +32,21 @@ pub fn picture_size(path: &Path) -> Result<FrameSize, ImageError> {
         Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH
     );
     Ok(if is_lying { FrameSize::new(height, width) } else { FrameSize::new(width, height) })
+}
+
+/// Returns the size of a sequence: that of `first`, else of the first of `others` that can be read.
+///
+/// # Errors
+/// As [`picture_size`] of `first`, if none can be read.
+pub(crate) fn sequence_size(
+    sequence: &SequencePath,
+    (first, others): (i32, impl Iterator<Item = i32>),
+) -> Result<FrameSize, ImageError> {
+    let size = |frame: i32| picture_size(&sequence.path_of(frame));
+    size(first).or_else(|fault| {
+        let there: BTreeSet<i32> = sequence.frames_on_disk().ok().flatten().into_iter().flatten().collect();
+        others.filter(|frame| there.contains(frame)).find_map(|frame| size(frame).ok()).ok_or(fault)
+    })
 }
 
 /// The amount of data in a decoded picture.
@@ -59,4 +75,28 @@ pub(crate) fn picture_extent(path: &Path) -> Result<PictureExtent, ImageError> {
     });
     let (pixels, samples) = parts.fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
     Ok(PictureExtent { pixels: pixels.max(shown), samples })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Preview, write_png};
+
+    #[test]
+    fn a_sequence_has_the_size_of_its_first_frame_that_can_be_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let size = |frames: [i32; 2]| {
+            let sequence = SequencePath::parse(&at("p.##.png")).expect("a sequence");
+            sequence_size(&sequence, (frames[0], frames[0]..=frames[1]))
+        };
+        std::fs::write(at("p.02.png"), "broken").expect("written");
+        for (frame, width) in [(3, 30), (4, 40)] {
+            write_png(&at(&format!("p.{frame:02}.png")), &Preview::transparent(width, 9)).expect("written");
+        }
+        assert_eq!(size([1, 9]).expect("frame 3"), FrameSize::new(30, 9));
+        assert_eq!(size([4, 9]).expect("frame 4"), FrameSize::new(40, 9));
+        let told = size([1, 2]).expect_err("none can be read").to_string();
+        assert!(told.contains("p.01.png"), "the first one is told: {told}");
+    }
 }

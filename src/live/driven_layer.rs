@@ -1,11 +1,13 @@
 //! Applies controls to a layer of a shot.
 //!
-//! In: a layer, [`Controls`]. Out: the layer with the pins of the controls, at rest or at their targets.
+//! In: a layer, [`Controls`]. Out: the layer with the pins of the controls, at rest or at their targets; an error if they do not fit it.
 
-use super::{Controls, Moved, OwnPins, Pin};
+use super::{Controls, LiveError, Moved, OwnPins, Pin};
+use crate::pipeline::branching_key;
 use crate::plate::Matte;
 use crate::shot::{Anchor, Ease, Goal, Layer, LayerSpace, OffsetUnit, PinKey, Rotation};
 use crate::solve::{Guard, Topology};
+use std::path::Path;
 
 /// Whether the pins of the controls stay at rest or move to their targets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +46,34 @@ pub(super) fn driven_layer(layer: &Layer, controls: &Controls, (own, frame): (Ow
     let pins = controls.pins.iter().enumerate().map(|(index, pin)| driven_pin(index, pin, start, goals));
     layer.pins.extend(pins);
     layer
+}
+
+/// Checks that a layer of a shot can be driven by the controls: their lattice has the handles that are keyed in the file, and their
+/// basis can branch where the file asks for what plain lattices cannot do.
+///
+/// # Errors
+/// [`LiveError::Layer`].
+pub(super) fn check_controls(layer: &Layer, path: &Path, controls: &Controls) -> Result<(), LiveError> {
+    let Controls { dims, basis, .. } = *controls;
+    let fault = |what: String, hint: String| Err(LiveError::Layer { path: path.to_owned(), what, hint });
+    let is_outside = |index: &[usize; 3]| (0..2).any(|axis| index[axis] >= dims[axis]);
+    if let Some(handle) = layer.handles.iter().find(|handle| is_outside(&handle.index)) {
+        let [nx, ny, _] = layer.space.dims();
+        let what = format!("layer '{}' moves handle {:?}, a lattice of {dims:?} has none", layer.name, handle.index);
+        return fault(what, format!("set the lattice to {nx} x {ny} as in the file"));
+    }
+    let is_branching = layer.settings.topology == Topology::Branching;
+    let topology = (!layer.has_auto_topology).then(|| "lattice.topology".to_owned());
+    match branching_key(layer).or(topology).filter(|_| is_branching && !basis.can_branch()) {
+        Some(key) => {
+            let what = format!(
+                "`{key}` of layer '{}' acts on branching lattices only, and this basis cannot branch",
+                layer.name
+            );
+            fault(what, "choose the basis B-spline or Bilinear, or remove the key".into())
+        }
+        None => Ok(()),
+    }
 }
 
 /// Returns the time of the layer's first key.

@@ -14,6 +14,7 @@ mod driven_layer;
 mod error;
 mod host_frame;
 mod key;
+mod layer_places;
 mod load_scene;
 mod map_tiles;
 mod mix;

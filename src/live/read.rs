@@ -3,11 +3,11 @@
 //! In: a [`ShotShape`]. Out: a [`ShotFile`]; warnings about what the parameters cannot express.
 
 use super::base_scene::BaseScene;
+use super::layer_places::LayerPlaces;
 use super::{Controls, LiveError, Pin, PinRegion, ShapeSource, ShotShape, solve};
-use crate::pipeline::{LayerTask, PinAnchor, PreparedShot, RestPoint};
+use crate::pipeline::{PinAnchor, PreparedShot, RestPoint};
 use crate::plate::Filter;
 use crate::shot::{Ease, FrameRange, Goal, Layer, OffsetUnit, PinKey, PinTargets, Rotation};
-use crate::solve::Cancel;
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
 use crate::spelling::pluralised;
 
@@ -116,8 +116,8 @@ impl PinTrack {
 pub fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
     let base = solve::base(&ShapeSource::Shot(shape.clone()), frame)?;
     let prepared = base.prepared.as_ref().expect("shots have a scene");
-    let reader = Reader { prepared, layer: &prepared.shot.layers[base.layer], index: base.layer, shape };
-    reader.read(&base)
+    let (layer, places) = (&prepared.shot.layers[base.layer], LayerPlaces::new(prepared, base.layer));
+    Reader { prepared, layer, index: base.layer, shape, places }.read(&base)
 }
 
 struct Reader<'a> {
@@ -125,6 +125,7 @@ struct Reader<'a> {
     layer: &'a Layer,
     index: usize,
     shape: &'a ShotShape,
+    places: LayerPlaces<'a>,
 }
 
 impl Reader<'_> {
@@ -179,17 +180,10 @@ impl Reader<'_> {
         match goal {
             Goal::Offset(offset) if unit == OffsetUnit::Frame => Ok(offset),
             Goal::Offset(offset) => {
-                let sample = self.prepared.unsolved_at(self.prepared.mid_exposure_time(frame))?;
-                let task = LayerTask { index: self.index, layer: self.layer, anchors: &[], weights: &[] };
-                let layer_solver = self.prepared.layer_solver(&sample, &task, &[], &Cancel::never())?;
-                let size =
-                    layer_solver.map_or([1.0; 2], |layer_solver| [0, 1].map(|axis| layer_solver.grid().size(axis)));
-                Ok(ScreenVector::new(offset.0.x * size[0], offset.0.y * size[1]))
+                let [width, height] = self.places.box_size(frame)?;
+                Ok(ScreenVector::new(offset.0.x * width, offset.0.y * height))
             }
-            Goal::Target(target) => {
-                let rests = self.prepared.rests_of(self.index, self.prepared.mid_exposure_time(frame));
-                Ok(target - rests[number].point)
-            }
+            Goal::Target(target) => Ok(target - self.places.rest(number, frame)),
             // These goals belong to layers in scene space.
             Goal::SceneOffset(_) | Goal::SceneTarget(_) => Ok(ScreenVector::default()),
         }

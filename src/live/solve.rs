@@ -4,7 +4,7 @@
 //! that a warp is bit-identical whatever was solved before.
 
 use super::base_scene::BaseScene;
-use super::driven_layer::{Goals, driven_layer};
+use super::driven_layer::{Goals, check_controls, driven_layer};
 use super::key::{Key, KeyWriter};
 use super::load_scene::load_scene;
 use super::prepared_solver::PreparedSolver;
@@ -13,7 +13,7 @@ use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
 use crate::lattice::Support;
 use crate::memory;
-use crate::pipeline::{Exposure, LayerState, LayerTask, PinAnchor, PipelineError, PreparedShot, fields_of};
+use crate::pipeline::{Exposure, LayerState, LayerTask, PinAnchor, PipelineError, PreparedShot, TimeSample, fields_of};
 use crate::plate::SharedParts;
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
@@ -172,32 +172,19 @@ impl Task<'_> {
 
     fn prepare(&self, base: Key, cancel: &Cancel) -> Result<PreparedSolver, LiveError> {
         let layer = self.layer(Goals::AtRest);
-        self.check_handles(&layer)?;
+        check_controls(&self.prepared.shot.layers[self.index], &self.prepared.shot.path, self.controls)?;
         self.check_memory()?;
         let (pinned, warnings) = self.pinned(base)?;
         let own = layer.pins.len() - pinned.len();
         let anchors: Vec<PinAnchor> =
             self.prepared.anchors_of(self.index)[..own].iter().copied().chain(pinned).collect();
-        let sample = self.prepared.unsolved_at(self.prepared.mid_exposure_time(self.frame()))?;
+        let sample = self.unsolved()?;
         let weights: Vec<f64> =
             std::iter::repeat_n(1.0, own).chain(self.controls.pins.iter().map(|pin| pin.weight)).collect();
         let task = LayerTask { index: self.index, layer: &layer, anchors: &anchors, weights: &weights };
         let path = layer.pin_path(self.frames(), self.key_frame());
         let layer_solver = self.prepared.layer_solver(&sample, &task, &path, cancel).map_err(aborted)?;
         Ok(PreparedSolver { solver: layer_solver, warnings })
-    }
-
-    /// Checks that handles keyed in a shot match the dims of the lattice.
-    fn check_handles(&self, layer: &Layer) -> Result<(), LiveError> {
-        let dims = self.controls.dims;
-        let is_outside = |index: &[usize; 3]| (0..2).any(|axis| index[axis] >= dims[axis]);
-        let Some(handle) = layer.handles.iter().find(|handle| is_outside(&handle.index)) else { return Ok(()) };
-        let [nx, ny, _] = self.prepared.shot.layers[self.index].space.dims();
-        Err(LiveError::Layer {
-            path: self.prepared.shot.path.clone(),
-            what: format!("layer '{}' moves handle {:?}, a lattice of {dims:?} has none", layer.name, handle.index),
-            hint: format!("set the lattice to {nx} x {ny} as in the file"),
-        })
     }
 
     /// Checks that the matrices of the lattice fit into the memory budget.
@@ -244,6 +231,7 @@ impl Task<'_> {
         let field = state.field(is_whole).unwrap_or_default();
         let (parts, state) = self.parts(state)?;
         let (parts, covered) = parts.map_or_else(Default::default, |(parts, covered)| (parts, Some(covered)));
+        let folds = self.folds(&state)?;
         let given_way = state.whole.iter().flat_map(|whole| whole.given_way.iter().copied()).collect::<Vec<_>>();
         let (lattice, report) = match state.solution {
             Some(solution) => (solution.lattice, Some(solution.report)),
@@ -251,7 +239,7 @@ impl Task<'_> {
         };
         let own = layer.pins.len() - self.controls.pins.len();
         let rests = &layer_solver.rests()[own..];
-        let warp = Warp { field, parts, covered, lattice: Some(lattice), report, ..Warp::identity("", key) };
+        let warp = Warp { field, parts, covered, lattice: Some(lattice), folds, report, ..Warp::identity("", key) };
         let pins = rests.iter().zip(&self.controls.pins).map(|(rest, pin)| PinPlace {
             rest: rest.point,
             target: crate::space::ScreenPoint(rest.point.0 + (pin.target - pin.rest).0 * layer.strength),
@@ -270,12 +258,27 @@ impl Task<'_> {
         Ok(Warp { pins, warnings, acting, ..warp })
     }
 
+    /// Returns the scene at the current frame, with its screen layers unsolved.
+    fn unsolved(&self) -> Result<TimeSample, LiveError> {
+        Ok(self.prepared.unsolved_at(self.prepared.mid_exposure_time(self.frame()))?)
+    }
+
+    /// Returns the outlines of the cells in which the shape folds.
+    fn folds(&self, state: &LayerState) -> Result<Vec<Vec<ScreenPoint>>, LiveError> {
+        match &state.solution {
+            Some(solution) if solution.report.folded_model_cells > 0 => {
+                Ok(self.prepared.folded_outlines((&self.unsolved()?, self.index), solution))
+            }
+            _ => Ok(Vec::new()),
+        }
+    }
+
     /// Returns the parts of the picture if the lattice branches, and hands back the state.
     fn parts(&self, state: LayerState) -> Result<(Option<SharedParts>, LayerState), LiveError> {
         if state.solution.as_ref().is_none_or(|solution| solution.branches.is_none()) {
             return Ok((None, state));
         }
-        let mut sample = self.prepared.unsolved_at(self.prepared.mid_exposure_time(self.frame()))?;
+        let mut sample = self.unsolved()?;
         sample.layers[self.index] = state;
         let parts = self.prepared.branch_parts(self.index, (&sample, None), (self.size, Exposure::Shutter));
         Ok((parts.and_then(fields_of), std::mem::take(&mut sample.layers[self.index])))

@@ -85,8 +85,8 @@ impl Viewer {
             LatticeStyle::Stretch => lines.iter().flat_map(|line| self.stretched(line)).collect(),
             _ => lines.iter().map(|line| stroke(self.canonical(&line.moved), GRID, 1.0)).collect(),
         };
-        let folds = warp.folded_outlines(PIECES);
-        strokes.extend(folds.iter().map(|outline| stroke(self.canonical(outline), FOLD, 2.0)));
+        let closed = |outline: &Vec<ScreenPoint>| outline.iter().chain(outline.first()).copied().collect::<Vec<_>>();
+        strokes.extend(warp.folds.iter().map(|outline| stroke(self.canonical(&closed(outline)), FOLD, 2.0)));
         strokes
     }
 
@@ -144,7 +144,7 @@ fn outline([[x1, y1], [x2, y2]]: [[f64; 2]; 2], colour: [f32; 4], width: f32) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::live::{Moved, Pin, SelectMode, ShapeSource, warp};
+    use crate::live::{Coverage, Moved, Pin, SelectMode, ShapeSource, warp};
 
     fn viewer() -> Viewer {
         Viewer { host_frame: HostFrame::new([0.0, 0.0, 200.0, 100.0], 1.0, [1.0, 1.0]), pixel: [0.5, 0.25] }
@@ -174,6 +174,31 @@ mod tests {
     }
 
     #[test]
+    fn cells_without_a_part_of_the_shape_are_not_outlined() {
+        // Two squares at the ends of the picture change places through what is empty between them.
+        let frame = viewer().host_frame.frame;
+        let (window, aspect) = (frame.window(), frame.aspect());
+        let is_opaque = |k: u32| {
+            let [x, y] = [k % window.width, k / window.width];
+            let is_within = 3 * y > window.height && 3 * y < 2 * window.height;
+            is_within && (8 * x < window.width || 8 * x > 7 * window.width)
+        };
+        let alpha: Vec<f32> = (0..window.width * window.height).map(|k| f32::from(u8::from(is_opaque(k)))).collect();
+        let shape = ShapeSource::Coverage(Coverage { window, alpha: &alpha });
+        let pin = |from: f64, to: f64, y: f64| Pin::new(ScreenPoint::new(from, y), ScreenPoint::new(to, y));
+        let ends = [[0.12, aspect - 0.12], [aspect - 0.12, 0.12]];
+        let mut pins: Vec<Pin> =
+            ends.into_iter().flat_map(|[from, to]| [pin(from, to, 0.4), pin(from, to, 0.6)]).collect();
+        // The left square is mirrored, so that it folds, too.
+        pins.extend([pin(0.06, aspect - 0.06, 0.5), pin(0.18, aspect - 0.18, 0.5)]);
+        let controls = Controls { dims: [24, 12], pins, moved: Moved::Masked, ..Controls::default() };
+        let found = warp(&controls, &shape, frame).expect("solves");
+        let all = found.lattice.as_ref().map_or(0, |lattice| lattice.folded_cells().len());
+        let cells = found.report.as_ref().map_or(0, |report| report.folded_model_cells);
+        assert!(found.folds.len() == cells && cells < all, "{} of {all}, {cells} of the shape", found.folds.len());
+    }
+
+    #[test]
     fn folds_are_outlined_and_stretch_is_coloured() {
         let frame = viewer().host_frame.frame;
         // Two pins swap places; a whole picture with a fixed border would not fold.
@@ -185,6 +210,8 @@ mod tests {
         let is_red = |stroke: &Stroke| stroke.colour == FOLD;
         assert!(!viewer().lattice(Some(&calm), LatticeStyle::Plain).iter().any(is_red));
         assert!(viewer().lattice(Some(&folded), LatticeStyle::Plain).iter().any(is_red));
+        let cells = folded.report.as_ref().map(|report| report.folded_model_cells);
+        assert_eq!(Some(folded.folds.len()), cells);
         let strokes = viewer().lattice(Some(&calm), LatticeStyle::Stretch);
         let [most, least] = [f32::max, f32::min].map(|pick| strokes.iter().map(|line| line.colour[0]).reduce(pick));
         assert!(most > Some(EVEN[0] + 0.05) && least < Some(EVEN[0] - 0.05), "{most:?} {least:?}");

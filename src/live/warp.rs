@@ -20,6 +20,8 @@ pub struct Warp {
     pub(crate) covered: Option<Coverage>,
     /// The solved lattice, at rest where nothing moves; `None` if there is nothing to lay it over.
     pub lattice: Option<ScreenLattice>,
+    /// Warped outlines of the cells in which the lattice folds where it holds part of the shape.
+    pub(crate) folds: Vec<Vec<ScreenPoint>>,
     /// One per pin of the controls, in order.
     pub pins: Vec<PinPlace>,
     /// Quality of the solve (pin errors, with a shot's own pins first; folded cells); `None`: nothing was solved.
@@ -99,6 +101,7 @@ impl Warp {
             parts: Vec::new(),
             covered: None,
             lattice: None,
+            folds: Vec::new(),
             pins: Vec::new(),
             report: None,
             warnings,
@@ -147,12 +150,6 @@ impl Warp {
         self.report.iter().flat_map(|report| &report.pin_errors).copied().fold(0.0, f64::max)
     }
 
-    /// Returns the number of flipped lattice cells that contain part of the shape.
-    #[must_use]
-    pub(crate) fn folded_cells(&self) -> usize {
-        self.report.as_ref().map_or(0, |report| report.folded_model_cells)
-    }
-
     /// Returns the rest and the current position of every handle, by index (x fastest).
     #[must_use]
     pub fn handles(&self) -> Vec<[ScreenPoint; 2]> {
@@ -184,32 +181,6 @@ impl Warp {
             }
         }
         lines
-    }
-}
-
-impl Warp {
-    /// Returns the outlines of folded cells after the warp, with `pieces` segments per side; empty if nothing visible folds.
-    #[must_use]
-    pub(crate) fn folded_outlines(&self, pieces: usize) -> Vec<Vec<ScreenPoint>> {
-        let Some(lattice) = self.lattice.as_ref().filter(|_| self.folded_cells() > 0) else { return Vec::new() };
-        let folds = lattice.folds(&vec![true; lattice.grid.cell_count()]);
-        // Cell indices start at the handles outside the box.
-        let margin = lattice.grid.basis.margin();
-        let steps = 0..4 * pieces;
-        let outline = |cell: &[usize; 2]| {
-            let [x, y] = cell.map(|place| place as f64 - margin as f64);
-            let place = |step: usize| {
-                let along = (step % pieces) as f64 / pieces as f64;
-                match step / pieces {
-                    0 => [x + along, y],
-                    1 => [x + 1.0, y + along],
-                    2 => [x + 1.0 - along, y + 1.0],
-                    _ => [x, y + 1.0 - along],
-                }
-            };
-            steps.clone().chain([0]).map(|step| lattice.warp(on_box(lattice, place(step)))).collect()
-        };
-        folds.cells.iter().map(outline).collect()
     }
 }
 

@@ -3,7 +3,10 @@
 use crate::acts::click;
 use crate::stage::{PINS, SHOT, Stage};
 use crate::window::{Window, opened_with, session, settled, until, window};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use eframe::egui::Shape;
+use serde_json::Value;
 use std::fs;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,6 +49,21 @@ fn a_scene_or_a_shot_that_was_missing_at_the_start_is_noticed() {
     fs::write(stage.shot(), SHOT).expect("written");
     settled(&mut window);
     assert_eq!(session(&window).document().text(), SHOT);
+}
+
+#[test]
+fn a_file_beside_the_scene_that_was_missing_at_the_start_is_noticed() {
+    let stage = Stage::new();
+    let [scene, beside] = ["cards.gltf", "cards.bin"].map(|name| stage.folder.path().join(name));
+    let mut json: Value = serde_json::from_slice(&fs::read(&scene).expect("there")).expect("JSON");
+    let uri = std::mem::replace(&mut json["buffers"][0]["uri"], "cards.bin".into());
+    let (_, data) = uri.as_str().and_then(|uri| uri.split_once(',')).expect("its bytes");
+    fs::write(&scene, json.to_string()).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    until(&mut window, "it is told", |window| tells(window, "cards.bin"));
+    fs::write(&beside, STANDARD.decode(data).expect("base64")).expect("written");
+    settled(&mut window);
+    assert!(!tells(&window, ""), "{:?}", session(&window).fault());
 }
 
 #[test]

@@ -2,11 +2,14 @@
 
 use crate::assets;
 use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
 use pinwarp::image::{Preview, write_png};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
 use pinwarp::shot::Shot;
+use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
@@ -69,6 +72,27 @@ fn models_of_others_are_edited() {
         let aspect = session.shot().size.aspect();
         is_edited(&mut session, [x * aspect, y]);
     }
+}
+
+#[test]
+fn files_outside_the_folder_of_a_scene_are_read_if_they_are_allowed() {
+    let stage = Stage::new();
+    let root = stage.folder.path();
+    let mut json: Value =
+        serde_json::from_slice(&fs::read(root.join("cards.gltf")).expect("there")).expect("it is JSON");
+    let uri = std::mem::replace(&mut json["buffers"][0]["uri"], "../cards.bin".into());
+    let (_, data) = uri.as_str().and_then(|uri| uri.split_once(',')).expect("its bytes");
+    fs::write(root.join("cards.bin"), STANDARD.decode(data).expect("base64")).expect("written");
+    let scene = root.join("inner/far.gltf");
+    fs::create_dir(root.join("inner")).expect("made");
+    fs::write(&scene, json.to_string()).expect("written");
+    assert!(open(&scene, FileAccess::SceneFolder).is_err());
+    let text = open(&scene, FileAccess::Anywhere).expect("it opens").text().replace("1920, 1080", "96, 54");
+    fs::write(scene.with_extension("toml"), text).expect("written");
+    let document = open(&scene, FileAccess::Anywhere).expect("its shot opens");
+    let mut session = Session::new(document, DeviceChoice::Cpu, || ());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    assert!(session.document().shot().allow_outside);
 }
 
 #[test]

@@ -189,3 +189,18 @@ fn arrow_keys_move_a_slider_and_nothing_else() {
     press(&mut window, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!((changes(&window).len(), keys(&window, 0, Channel::X)), (before + 1, x), "only the strength changes");
 }
+
+#[test]
+fn escape_leaves_a_name_or_a_list_first_and_then_the_selection() {
+    let (_stage, mut window) = opened();
+    click(&mut window, &["a"]);
+    let is_chosen = |window: &Window| session(window).selection.pins.contains(&[0, 0]);
+    focus(&mut window, "Pin name");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(is_chosen(&window) && !window.ctx.text_edit_focused(), "the name is left");
+    click(&mut window, &["View"]);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(is_chosen(&window), "the menu is left");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(!is_chosen(&window));
+}

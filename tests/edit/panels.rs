@@ -73,6 +73,36 @@ fn a_render_goes_on_in_the_background_or_is_cancelled_when_another_shot_is_opene
     );
 }
 
+#[test]
+fn a_render_is_cancelled_for_another_file_only_if_that_opens() {
+    let stage = Stage::new();
+    let [broken, other] = ["broken.toml", "other.toml"].map(|name| stage.folder.path().join(name));
+    let many = SHOT.replace("last = 6", "last = 5000").replace("samples = 4", "samples = 64");
+    fs::write(stage.shot(), many).expect("written");
+    fs::write(&broken, "scene = ").expect("written");
+    fs::write(&other, SHOT.replace("out/frame", "out/other")).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::R);
+    window.run_steps(2);
+    for (file, open) in [(&broken, stage.shot()), (&other, other.clone())] {
+        window.input_mut().dropped_files.push(Arc::new(Handed(file.clone())) as egui::DroppedFileHandle);
+        window.run_steps(3);
+        // It is asked, because the render goes on.
+        window.get_by_label("Cancel the render").click();
+        window.run_steps(3);
+        assert_eq!(session(&window).document().path(), open);
+        // What had been cancelled would end after the frames in flight.
+        for _ in 0..50 {
+            window.step();
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+    }
+    until(&mut window, "the render ends", |window| {
+        session(window).message().is_some_and(|told| told.contains("Cancelled"))
+    });
+}
+
 /// The pictures in the viewport in the order in which they are drawn: height in points, opacity.
 fn drawn_pictures(window: &Window) -> Vec<[f32; 2]> {
     let mut found = Vec::new();

@@ -1,6 +1,7 @@
 //! Lattices that branch, as hosts render them.
 
 use pinwarp::image::{Frame, read_exr};
+use pinwarp::lattice::Basis;
 use pinwarp::live::{
     Alpha, Controls, Mix, OwnPins, Picture, Pin, Render, ShapeSource, ShotShape, Warp, render, stmap, warp,
 };
@@ -164,4 +165,10 @@ fn the_order_of_the_pins_of_a_shot_acts_whoever_moves_them() {
         let moved = [(hand, by), (held[0], 0.0), (held[1], 0.0), (held[2], 0.0)];
         assert_eq!(shows_arm(order, OwnPins::LeftOut, &moved), order > 0, "the pins of the host");
     }
+    // A basis that cannot branch would ignore the cut.
+    let own_pins = OwnPins::Act;
+    let shape = ShotShape { path: shot(1), camera: None, layer: None, frame: 1.0, pin_frame: 1, own_pins };
+    let controls = Controls { dims: [24, 24], basis: Basis::Bernstein, ..Controls::default() };
+    let told = warp(&controls, &ShapeSource::Shot(shape), SIZE).expect_err("it does not fit").to_string();
+    assert!(told.contains("1.toml") && told.contains("`lattice.cuts`") && told.contains("B-spline"), "{told}");
 }

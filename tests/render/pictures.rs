@@ -2,7 +2,7 @@
 
 use crate::support::at;
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
-use pinwarp::pipeline::{Event, PreparedShot, RenderOptions, render};
+use pinwarp::pipeline::{Event, OpenShot, PreparedShot, RenderOptions, render};
 use pinwarp::raster::ChannelGroup;
 use pinwarp::shot::Shot;
 use pinwarp::solve::Topology;
@@ -484,6 +484,15 @@ fn comparisons_are_plain_and_several_pictures_in_a_branching_layer_are_refused()
     for (text, key) in [(order, "layer[0].pin[0].order"), (cut, "layer[0].lattice.cuts")] {
         let told = wall.fault(wall.shot(&text));
         assert!(told.contains(key) && told.contains("it has several pictures"), "{told}");
+    }
+    // The same holds for edits of a shot that is open: a pin with an order, and an order for a pin.
+    let pin = "[[layer.pin]]\nanchor = { screen = [0.5, 0.5] }\n";
+    let mut open = OpenShot::new(wall.shot(&plain)).expect("two pictures in one layer");
+    for before in [plain.clone(), format!("{plain}{pin}")] {
+        open.edit(wall.shot(&before)).expect("no order yet");
+        let told = open.edit(wall.shot(&format!("{plain}{pin}order = 1\n"))).expect_err("as in a render").to_string();
+        assert!(told.contains("layer[0].pin[0].order") && told.contains("it has several pictures"), "{told}");
+        assert_eq!(open.prepared().shot.layers[0].pins.len(), before.matches("anchor").count(), "nothing changed");
     }
 }
 

@@ -10,7 +10,6 @@ use crate::edit::journal_line::Line;
 use crate::edit::stored_path::StoredPath;
 use crate::files::{SHOT_BYTES, read_text};
 use crate::image::replace_text;
-use crate::shot::Shot;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -65,7 +64,7 @@ impl Document {
     pub(crate) fn save_as(&mut self, path: &Path) -> Result<(), EditError> {
         let path = absolute(path);
         let text = relocated(&self.text, [&self.path, &path])?;
-        let shot = Shot::parse(&text, &path)?;
+        let shot = self.parsed(&text, &path)?;
         replace_text(&path, &text)?;
         match Command::between("Save as", &self.text, &text) {
             Some(command) => {

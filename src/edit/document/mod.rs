@@ -16,7 +16,7 @@ use super::journal_line::Line;
 use super::stored_path::StoredPath;
 use super::unfinished::taken_up;
 use crate::files::{SHOT_BYTES, read_text};
-use crate::scene::Scene;
+use crate::scene::{FileAccess, Scene};
 use crate::shot::{Shot, ShotError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,8 @@ pub struct Document {
     /// The contents of files as last read or written: the document's, and those that it had before it was saved elsewhere.
     known: BTreeMap<PathBuf, String>,
     shot: Shot,
+    /// The files that the scene may refer to.
+    access: FileAccess,
     history: History,
     journal: Option<Journal>,
     /// What is wrong with the journal, until it is told.
@@ -57,8 +59,20 @@ impl Document {
     pub fn new(path: &Path, text: String) -> Result<Self, EditError> {
         let path = absolute(path);
         let shot = Shot::parse(&text, &path)?;
-        let (known, history) = (BTreeMap::new(), History::default());
-        Ok(Self { path, text, known, shot, history, journal: None, journal_fault: None, scene: None })
+        let (known, history, access) = (BTreeMap::new(), History::default(), FileAccess::default());
+        Ok(Self { path, text, known, shot, access, history, journal: None, journal_fault: None, scene: None })
+    }
+
+    /// Sets the files that the scene may refer to, which no shot file says.
+    pub(crate) fn allowing(mut self, access: FileAccess) -> Self {
+        self.access = access;
+        self.shot.allow_outside = access == FileAccess::Anywhere;
+        self
+    }
+
+    /// Parses a text as this document's, at a path.
+    fn parsed(&self, text: &str, path: &Path) -> Result<Shot, ShotError> {
+        Ok(Shot { allow_outside: self.access == FileAccess::Anywhere, ..Shot::parse(text, path)? })
     }
 
     /// Keeps a scene that is loaded already, so that it need not be loaded again.
@@ -144,7 +158,7 @@ impl Document {
     /// [`ShotError`] if the text is not a valid shot; the document is then unchanged.
     pub(crate) fn change(&mut self, label: &str, text: String, series: Option<&str>) -> Result<(), ShotError> {
         let Some(command) = Command::between(label, &self.text, &text) else { return Ok(()) };
-        self.shot = Shot::parse(&text, &self.path)?;
+        self.shot = self.parsed(&text, &self.path)?;
         let recorded = self.history.record(command, series, &self.text);
         self.text = text;
         self.note(&recorded.into());
@@ -181,7 +195,7 @@ impl Document {
             }
             None => label.to_owned(),
         };
-        if let Ok(shot) = Shot::parse(&text, &self.path) {
+        if let Ok(shot) = self.parsed(&text, &self.path) {
             self.shot = shot;
         }
         self.text = text;
@@ -223,6 +237,17 @@ mod tests {
         drop(document);
         fs::write(journal, bytes).expect("written");
         journal.clone()
+    }
+
+    #[test]
+    fn files_outside_stay_allowed_through_edits() {
+        let document = Document::new(Path::new("shot.toml"), SHOT.to_owned()).expect("a shot");
+        assert!(!document.shot().allow_outside);
+        let mut document = document.allowing(FileAccess::Anywhere);
+        document.change("edit", SHOT.replace("samples = 4", "samples = 5"), None).expect("a shot");
+        assert!(document.shot().allow_outside && document.shot().samples == 5);
+        document.undo();
+        assert!(document.shot().allow_outside && document.shot().samples == 4);
     }
 
     #[test]

@@ -7,9 +7,10 @@ use crate::edit::regrid::regridded;
 use crate::edit::track_keys::axes_of;
 use crate::plate::Matte;
 use crate::shot::edit::{
-    Setting, add_layer, layer_number, move_layer, put_handle, put_layer_setting, remove_layer, rename_layer,
+    Setting, add_layer, layer_number, move_layer, put_box, put_handle, put_layer_setting, remove_layer, rename_layer,
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
+use crate::space::ScreenBox;
 
 /// The part of a plate that a layer moves, as offered by the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -133,6 +134,25 @@ impl Session {
         self.change("Resize lattice", text, series.as_deref());
     }
 
+    /// Fixes the box of the selected layer's lattice on the screen where it is in this frame.
+    pub(crate) fn fix_box(&mut self) {
+        match self.marks_of(self.selection.layer).and_then(|marks| marks.rest_box) {
+            Some(found) => {
+                let ScreenBox { min, max } = found.upright;
+                self.set_box(&[min.0.x, min.0.y, max.0.x, max.0.y].map(|value| (value * 1e4).round() / 1e4));
+            }
+            None => self.say("The box is not known in this frame: go to one in which the layer is seen."),
+        }
+    }
+
+    /// Fixes the box of the selected layer's lattice at these corners, as in the file.
+    pub(crate) fn set_box(&mut self, corners: &[f64]) {
+        let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
+        let text = put_box(self.document.text(), &layer.name, corners);
+        let series = format!("box of {}", layer.name);
+        self.change("Change box", text, Some(&series));
+    }
+
     /// Sets the patterns of node names that the selected layer moves; none: all nodes.
     pub fn set_nodes(&mut self, nodes: Vec<String>) {
         let setting = if nodes.is_empty() { Setting::Default } else { Setting::Texts(nodes) };
@@ -226,9 +246,29 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shot::BoxRule;
+    use crate::space::ScreenPoint;
 
     const TEXT: &str = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n\
                         [[layer]]\nname = 'arm'\n[[layer]]\nname = 'leg'\n";
+
+    #[test]
+    fn a_box_is_fixed_by_its_corners() {
+        let mut session =
+            Session::of_text(&TEXT.replace("'leg'", "'leg' # left\nlattice = { box = \"follow\" } # it\n"));
+        session.selection.layer = 1;
+        session.set_box(&[0.25, 0.0, 1.0, 0.5]);
+        let LayerSpace::Screen { bounds: BoxRule::Fixed(found), .. } = session.shot().layers[1].space else {
+            panic!("{}", session.document().text())
+        };
+        assert_eq!((found.min, found.max), (ScreenPoint::new(0.25, 0.0), ScreenPoint::new(1.0, 0.5)));
+        assert!(session.document().text().contains("{ box = { fixed = [0.25, 0.0, 1.0, 0.5] } } # it"));
+        // A box without extent is told, and changes nothing.
+        session.set_box(&[1.0, 0.0, 1.0, 0.5]);
+        assert!(session.message().is_some_and(|told| told.contains("box")), "{:?}", session.message());
+        session.undo();
+        assert!(session.document().text().contains("{ box = \"follow\" } # it"));
+    }
 
     #[test]
     fn renamed_layers_stay_muted_and_deleted_ones_silence_nothing() {

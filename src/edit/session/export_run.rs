@@ -190,7 +190,8 @@ impl Session {
         }
         let shot = self.document().path().to_owned();
         let layers = self.document().shot().layers.iter().map(|layer| layer.name.as_str());
-        let (arguments, target) = (order.arguments(&shot, layers), order.target(&shot));
+        let (mut arguments, target) = (order.arguments(&shot, layers), order.target(&shot));
+        arguments.extend(self.document().shot().allow_outside.then(|| OsString::from("--allow-outside")));
         let (sender, messages) = channel();
         let program = Arc::new(Program::default());
         let own = Arc::clone(&program);

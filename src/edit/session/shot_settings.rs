@@ -1,9 +1,11 @@
-//! Editing of the shot: frames, clip, hidden nodes.
+//! Editing of the shot: frames, clip, plate, hidden nodes.
 //!
 //! In: user commands. Out: one document change each.
 
 use super::Session;
+use crate::files::located;
 use crate::shot::edit::{Setting, put_setting};
+use std::path::Path;
 
 impl Session {
     /// Sets a value of the shot.
@@ -35,6 +37,20 @@ impl Session {
         self.change("Change frames", new, Some("frames"));
     }
 
+    /// Sets the finished frames that belong to the shot: a path with a frame counter, or one picture; `None`: there are none.
+    pub(crate) fn set_plate(&mut self, path: Option<&Path>) {
+        let folder = self.document.path().parent().unwrap_or(Path::new(""));
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        let file = path.map(located);
+        let setting = match file.as_deref().map(|file| file.strip_prefix(&folder).unwrap_or(file).to_str()) {
+            None => Setting::Default,
+            Some(Some(name)) => Setting::Text(if cfg!(windows) { name.replace('\\', "/") } else { name.to_owned() }),
+            Some(None) => return self.say("The name of this plate is not valid Unicode: rename it."),
+        };
+        let label = if path.is_some() { "Choose plate" } else { "Remove plate" };
+        self.set_shot(label, &["plate"], &setting, None);
+    }
+
     /// Selects a clip of the scene, and sets the frame range to its length.
     pub(crate) fn choose_clip(&mut self, name: &str, secs: f64) {
         let frames = &self.document.shot().frames;
@@ -61,6 +77,26 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_plate_is_named_from_the_folder_of_the_shot() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path().canonicalize().expect("there");
+        std::fs::create_dir(root.join("plates")).expect("made");
+        let text = "scene = 'a.glb' # mine\nframes = { first = 1, last = 24 }\n";
+        let document = crate::edit::Document::new(&root.join("shot.toml"), text.to_owned()).expect("a shot");
+        let mut session = Session::new(document, crate::raster::DeviceChoice::Cpu, || ());
+        session.set_plate(Some(&root.join("plates/p.####.exr")));
+        assert!(session.document().text().contains("plate = \"plates/p.####.exr\""), "{}", session.document().text());
+        assert_eq!(session.shot().plate, Some(root.join("plates/p.####.exr")));
+        session.set_plate(None);
+        assert_eq!(session.document().text(), text);
+        assert_eq!(session.document().history().labels().collect::<Vec<_>>(), ["Choose plate", "Remove plate"]);
+        // Finished frames alone are the source of a shot, which cannot be without.
+        let mut session = Session::of_text("plate = 'p.exr'\nsize = [9, 9]\nframes = { first = 1, last = 2 }\n");
+        session.set_plate(None);
+        assert!(session.shot().plate.is_some() && session.message().is_some());
+    }
 
     #[test]
     fn frames_that_are_added_are_solved_with_the_others() {

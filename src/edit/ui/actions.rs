@@ -13,6 +13,7 @@ impl Editor {
             Action::Open => self.browse(Purpose::Open),
             Action::SaveAs if self.session.is_some() => self.browse(Purpose::SaveAs),
             Action::Reference if self.session.is_some() => self.browse(Purpose::Reference),
+            Action::Plate if self.session.is_some() => self.browse(Purpose::Plate),
             Action::Save => self.save(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Keys => (self.shows_keys, self.rebound) = (!self.shows_keys, None),
@@ -36,8 +37,8 @@ impl Editor {
     /// Handles the keys that widgets with keyboard focus use first: arrow keys, and Escape, which cancels the gesture.
     pub(super) fn late_keys(&mut self, ctx: &egui::Context, now: f64) {
         let Some(session) = self.session.as_mut().filter(|_| !keys::are_taken(ctx)) else { return };
-        // Escape closes an open window first.
-        let is_behind = self.shows_keys || self.browser.is_some();
+        // Escape closes an open window, or leaves a field, first.
+        let is_behind = self.shows_keys || self.browser.is_some() || self.were_keys_taken;
         if !is_behind && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
             session.cancel();
         }

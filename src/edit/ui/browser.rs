@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 pub(super) enum Purpose {
     Open,
     SaveAs,
+    Plate,
     Reference,
 }
 
@@ -50,7 +51,7 @@ impl Browser {
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let path = match purpose {
             Purpose::SaveAs => folder.join(near.file_name().unwrap_or_default()),
-            Purpose::Open | Purpose::Reference => folder.clone(),
+            Purpose::Open | Purpose::Plate | Purpose::Reference => folder.clone(),
         };
         let mut browser = Self { purpose, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
         browser.list();
@@ -65,7 +66,7 @@ impl Browser {
             let known: &[&str] = match self.purpose {
                 Purpose::Open => &KNOWN,
                 Purpose::SaveAs => &[SHOT],
-                Purpose::Reference => &PICTURES,
+                Purpose::Plate | Purpose::Reference => &PICTURES,
             };
             let is_known = path.is_dir() || ending.is_some_and(|ending| known.contains(&ending.as_str()));
             (is_known && !name.starts_with('.')).then(|| (name, path.is_dir()))
@@ -82,6 +83,9 @@ impl Browser {
         let (title, verb, kinds) = match self.purpose {
             Purpose::Open => ("Open", "Open", EVERYTHING),
             Purpose::SaveAs => ("Save as", "Save", "Shots (.toml)"),
+            Purpose::Plate => {
+                ("Plate", "Use", "Finished frames: beauty.####.exr (.png, .jpg), or one picture for all frames")
+            }
             Purpose::Reference => {
                 ("Reference picture", "Lay over", "Pictures (.png, .jpg, .exr), sequences: draw.####.png")
             }

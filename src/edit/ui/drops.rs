@@ -23,8 +23,8 @@ impl Editor {
         self.leave(ctx, Deferred::Open(files));
     }
 
-    /// Opens the first file that can be opened, and lays the pictures beside it over the frame.
-    pub(super) fn open_files(&mut self, ctx: &egui::Context, files: Dropped) {
+    /// Opens the first file that can be opened, and lays the pictures beside it over the frame. Returns whether there was one.
+    pub(super) fn open_files(&mut self, ctx: &egui::Context, files: Dropped) -> bool {
         let Dropped { candidates, pictures, others } = files;
         let mut fault: Option<EditError> = None;
         let mut rest = candidates.into_iter();
@@ -42,7 +42,7 @@ impl Editor {
             if let Some(error) = fault {
                 self.show_error(&error);
             }
-            return;
+            return false;
         };
         let (mut told, mut laid) = (Vec::new(), Vec::new());
         for picture in pictures {
@@ -69,6 +69,7 @@ impl Editor {
         if !told.is_empty() {
             session.say(told.join(" "));
         }
+        true
     }
 }
 

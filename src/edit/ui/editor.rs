@@ -50,6 +50,8 @@ pub struct Editor {
     pub(super) shows_keys: bool,
     /// The action that is waiting for its new key.
     pub(super) rebound: Option<Action>,
+    /// Whether keys were meant for a text field, a question or a menu in the last pass: Escape leaves these before they are shown.
+    pub(super) were_keys_taken: bool,
     tour: Option<Tour>,
     pub(super) shows_render: bool,
     pub(super) questions: Questions,
@@ -87,6 +89,7 @@ impl Editor {
             textures: Textures::default(),
             shows_keys: false,
             rebound: None,
+            were_keys_taken: false,
             tour: None,
             shows_render: false,
             questions: Questions::default(),
@@ -192,6 +195,7 @@ impl Editor {
             self.late_keys(&ctx, now);
         }
         self.windows(&ctx);
+        self.were_keys_taken = keys::are_taken(&ctx) || egui::Popup::is_any_open(&ctx);
         self.view.keep(&ctx, self.session.as_ref().map(|session| session.shown));
         self.close(&ctx);
     }
@@ -254,13 +258,16 @@ impl Editor {
         self.session.as_ref().is_some_and(|session| is_same_file(session.document().path(), &shot))
     }
 
-    pub(super) fn begin_tour(&mut self, ctx: &egui::Context) {
+    /// Begins the tour. Returns whether its scene is open.
+    pub(super) fn begin_tour(&mut self, ctx: &egui::Context) -> bool {
         if !self.has_tour_scene()
             && let Err(error) = self.open_bundled(ctx, 0)
         {
-            return self.show_error(&error);
+            self.show_error(&error);
+            return false;
         }
         self.tour = self.session.as_ref().map(Tour::begin);
+        true
     }
 
     pub(super) fn browse(&mut self, purpose: Purpose) {
@@ -308,6 +315,7 @@ impl Editor {
         match (purpose, &mut self.session) {
             (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
             (Purpose::SaveAs, _) => self.try_save_as(path),
+            (Purpose::Plate, Some(session)) => session.set_plate(Some(path)),
             (Purpose::Reference, Some(session)) => {
                 if let Err(error) = session.add_reference(path) {
                     session.say(error.to_string());

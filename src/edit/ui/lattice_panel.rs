@@ -1,11 +1,12 @@
 //! The settings of a layer's lattice, and the nodes that it moves.
 
 use super::accessible::Accessible;
-use super::number_field::whole;
+use super::number_field::{NumberField, whole};
 use crate::edit::Session;
 use crate::lattice::Basis;
 use crate::shot::edit::Setting;
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
+use crate::space::ScreenBox;
 use eframe::egui::{ComboBox, Popup, ScrollArea, Ui};
 
 /// Shows the rows of the grid of settings.
@@ -19,6 +20,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
     ui.label("Box");
     bounds(ui, session, layer.space);
     ui.end_row();
+    corners(ui, session, layer.space);
     if !session.loaded().nodes.is_empty() && session.shot().scene().is_some() {
         ui.label("Nodes");
         nodes(ui, session, layer);
@@ -67,20 +69,59 @@ fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {
 
 fn bounds(ui: &mut Ui, session: &mut Session, space: LayerSpace) {
     let (now, offered): (&str, &[&str]) = match space {
-        LayerSpace::Screen { bounds: BoxRule::Follow, .. } => ("follow", &["follow", "frame"]),
-        LayerSpace::Screen { bounds: BoxRule::Frame, .. } => ("frame", &["follow", "frame"]),
-        LayerSpace::Screen { bounds: BoxRule::Fixed(_), .. } => ("fixed", &["follow", "frame"]),
+        LayerSpace::Screen { bounds: BoxRule::Follow, .. } => ("follow", &["follow", "frame", "fixed"]),
+        LayerSpace::Screen { bounds: BoxRule::Frame, .. } => ("frame", &["follow", "frame", "fixed"]),
+        LayerSpace::Screen { bounds: BoxRule::Fixed(_), .. } => ("fixed", &["follow", "frame", "fixed"]),
         LayerSpace::World { bounds: WorldBoxRule::Follow, .. } => ("follow", &["follow"]),
-        LayerSpace::World { bounds: WorldBoxRule::Fixed(_), .. } => ("fixed", &["follow"]),
+        LayerSpace::World { bounds: WorldBoxRule::Fixed(_), .. } => ("fixed", &["follow", "fixed"]),
     };
     let list = ComboBox::from_id_salt("box").selected_text(now).width(110.0).show_ui(ui, |ui| {
         for &other in offered {
-            if ui.selectable_label(other == now, other).clicked() && other != now {
+            let is_chosen = ui.selectable_label(other == now, other).clicked() && other != now;
+            if is_chosen && other == "fixed" {
+                session.fix_box();
+            } else if is_chosen {
                 session.set_layer("Change box", &["lattice", "box"], &Setting::Text(other.into()), None);
             }
         }
     });
     list.response.accessible("Box");
+}
+
+/// Shows the corners of a box that is fixed, in pixels or in metres of the scene.
+fn corners(ui: &mut Ui, session: &mut Session, space: LayerSpace) {
+    let lines = f64::from(session.shot().size.height);
+    let (mut corners, names, (scale, unit, decimals)) = match space {
+        LayerSpace::Screen { bounds: BoxRule::Fixed(ScreenBox { min, max }), .. } => {
+            let names = &["Box left", "Box bottom", "Box right", "Box top"][..];
+            (vec![min.0.x, min.0.y, max.0.x, max.0.y], names, (lines, " px", 1))
+        }
+        LayerSpace::World { bounds: WorldBoxRule::Fixed(corners), .. } => {
+            let names = &["Box x from", "Box y from", "Box z from", "Box x to", "Box y to", "Box z to"][..];
+            (corners.concat(), names, (1.0, " m", 3))
+        }
+        _ => return,
+    };
+    let mut is_edited = false;
+    ui.label("Corners");
+    ui.vertical(|ui| {
+        for (corners, names) in corners.chunks_mut(names.len() / 2).zip(names.chunks(names.len() / 2)) {
+            ui.horizontal(|ui| {
+                for (corner, name) in corners.iter_mut().zip(names) {
+                    let field = NumberField { name, hint: name, range: f64::MIN..=f64::MAX, decimals };
+                    let mut value = *corner * scale;
+                    if field.drag(ui, &mut value, |number| number.speed(0.002 * scale).suffix(unit)) {
+                        *corner = (value / scale * 1e6).round() / 1e6;
+                        is_edited = true;
+                    }
+                }
+            });
+        }
+    });
+    ui.end_row();
+    if is_edited {
+        session.set_box(&corners);
+    }
 }
 
 /// Shows the patterns of the layer, and all nodes to choose from.

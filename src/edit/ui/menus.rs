@@ -32,6 +32,7 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
             entry(ui, Action::SaveAs, is_open);
             ui.separator();
             entry(ui, Action::Render, is_open);
+            entry(ui, Action::Plate, is_open);
             entry(ui, Action::Reference, is_open);
             if let Some(session) = session.as_deref_mut() {
                 exports(ui, session);

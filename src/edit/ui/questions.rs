@@ -43,15 +43,20 @@ impl Editor {
         self.session.as_ref().is_some_and(|session| session.is_rendering() || session.is_exporting())
     }
 
-    fn carry_out(&mut self, ctx: &egui::Context, deferred: Deferred) {
+    /// Does what leaves the open shot. Returns whether it was left: files that cannot be opened leave it as it is.
+    fn carry_out(&mut self, ctx: &egui::Context, deferred: Deferred) -> bool {
         match deferred {
             Deferred::Open(files) => self.open_files(ctx, files),
             Deferred::Tour => self.begin_tour(ctx),
             Deferred::Quit => {
-                self.session.iter().for_each(Session::cancel_render);
+                self.session.iter().for_each(|session| {
+                    session.cancel_export();
+                    session.cancel_render();
+                });
                 self.background.iter().for_each(RenderRun::cancel);
                 self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+                true
             }
         }
     }
@@ -79,14 +84,21 @@ impl Editor {
         if answer == Answer::Cancel {
             return;
         }
-        if let Some(session) = self.session.as_ref().filter(|_| answer == Answer::Second) {
-            session.cancel_export();
-            // A render beside an export goes on in the background.
-            if !is_exporting {
-                session.cancel_render();
-            }
+        // An export ends with its session, and a render beside it goes on in the background.
+        let is_render_ended = answer == Answer::Second && !is_exporting;
+        let run = self.session.as_ref().and_then(Session::run).filter(|_| is_render_ended);
+        let shot = run.map(|run| run.shot.clone());
+        if self.carry_out(ctx, deferred)
+            && let Some(shot) = shot
+        {
+            self.cancel_renders(&shot);
         }
-        self.carry_out(ctx, deferred);
+    }
+
+    /// Cancels the renders of a shot, whether it is open or not.
+    fn cancel_renders(&self, shot: &Path) {
+        let runs = self.background.iter().chain(self.session.as_ref().and_then(Session::run));
+        runs.filter(|run| is_same_file(&run.shot, shot)).for_each(RenderRun::cancel);
     }
 
     /// Follows the renders of shots that are not open any more, and tells how they ended.
@@ -107,7 +119,7 @@ impl Editor {
 
     /// Opens the work that a killed editor left in a journal.
     pub(super) fn recover(&mut self, ctx: &egui::Context, journal: &Path) -> Result<(), EditError> {
-        let document = Document::recovered(journal)?;
+        let document = Document::recovered(journal)?.allowing(self.options.access);
         self.left.retain(|left| left.journal != journal);
         self.begin(ctx, document);
         Ok(())

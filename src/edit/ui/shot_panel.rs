@@ -19,7 +19,13 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             if let Some(plate) = session.shot().plate.clone() {
                 ui.label("Plate");
                 let name = plate.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                ui.add(Label::new(name).truncate()).on_hover_text(plate.display().to_string());
+                ui.horizontal(|ui| {
+                    let hint = "The shot has no plate any more; File, Choose plate gives it another";
+                    if ui.small_button("Remove").accessible("Remove plate").on_hover_text(hint).clicked() {
+                        session.set_plate(None);
+                    }
+                    ui.add(Label::new(name).truncate()).on_hover_text(plate.display().to_string());
+                });
                 ui.end_row();
             }
             ui.label("Samples");

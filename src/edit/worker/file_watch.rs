@@ -1,9 +1,8 @@
 //! Detects changes of a shot's files on disk, by polling modification times while idle.
 
 use super::plate_watch::{PlateWatch, stamp};
-use crate::pipeline::OpenShot;
 use crate::shot::Shot;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Files and their modification times.
@@ -19,40 +18,43 @@ pub(super) struct FileWatch {
 pub(super) struct Changed {
     /// Whether the shot file changed.
     pub(super) shot: bool,
-    /// Whether a scene, picture or mask changed.
+    /// Whether a scene, a file beside it, a picture or a mask changed.
     pub(super) scene: bool,
     /// First and last frames, the last ones included, whose plates changed.
     pub(super) plates: Vec<[i32; 2]>,
 }
 
 impl FileWatch {
-    /// Watches the files of a loaded shot.
-    pub(super) fn of(open: &OpenShot) -> Self {
-        let shot = open.given();
-        let paths = std::iter::once(&shot.path).chain(shot.files()).chain(&open.prepared().scene.files_beside);
-        let stamps = paths.map(|path| (path.clone(), stamp(path))).collect();
-        Self { shot: shot.path.clone(), stamps, plate: PlateWatch::of(shot) }
-    }
-
-    /// Watches the plate of an edited shot, which may have other frames.
-    pub(super) fn follow_plate(&mut self, open: &OpenShot) {
-        if !self.plate.is_of(open.given()) {
-            self.plate = PlateWatch::of(open.given());
-        }
-    }
-
-    /// Watches the files that a shot names, too, even if they cannot be loaded. Returns whether another shot was watched before.
-    pub(super) fn add(&mut self, shot: &Shot) -> bool {
+    /// Watches the files that a shot names, too, and those beside its scene, even if they cannot be loaded. Returns whether another
+    /// shot was watched before.
+    pub(super) fn add(&mut self, shot: &Shot, beside: &[PathBuf]) -> bool {
         let is_other = self.shot != shot.path;
         if is_other {
             *self = Self { shot: shot.path.clone(), stamps: Vec::new(), plate: PlateWatch::of(shot) };
         }
-        for path in std::iter::once(&shot.path).chain(shot.files()) {
-            if self.stamps.iter().all(|(known, _)| known != path) {
-                self.stamps.push((path.clone(), stamp(path)));
-            }
-        }
+        std::iter::once(&shot.path).chain(shot.files()).chain(beside).for_each(|path| self.watch(path));
         is_other
+    }
+
+    fn watch(&mut self, path: &Path) {
+        if self.stamps.iter().all(|(known, _)| known != path) {
+            self.stamps.push((path.to_owned(), stamp(path)));
+        }
+    }
+
+    /// Watches the files of a loaded shot alone, with those beside its scene. Files that were watched before they were read keep
+    /// their times, so that what was written meanwhile is found.
+    pub(super) fn keep(&mut self, shot: &Shot, beside: &[PathBuf]) {
+        let used: Vec<&PathBuf> = std::iter::once(&shot.path).chain(shot.files()).chain(beside).collect();
+        self.stamps.retain(|(path, _)| used.contains(&path));
+        used.into_iter().for_each(|path| self.watch(path));
+    }
+
+    /// Watches the plate of an edited shot, which may have other frames.
+    pub(super) fn follow_plate(&mut self, shot: &Shot) {
+        if !self.plate.is_of(shot) {
+            self.plate = PlateWatch::of(shot);
+        }
     }
 
     /// Returns what changed since the last call; a shot file that was removed has changed. Other missing files are
@@ -93,5 +95,27 @@ mod tests {
         assert_eq!(watch.look(), Changed::default(), "it is told once");
         fs::write(&paths[0], "").expect("written");
         assert_eq!(watch.look(), Changed { shot: true, ..Changed::default() });
+    }
+
+    fn shot(folder: &Path) -> Shot {
+        let text = "scene = 'a.gltf'\nframes = { first = 1, last = 2 }\n[[layer]]\nname = 'all'\n";
+        Shot::parse(text, &folder.join("shot.toml")).expect("a shot")
+    }
+
+    #[test]
+    fn what_is_written_while_a_shot_is_loaded_is_found() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let shot = shot(folder.path());
+        let old = shot.path.with_file_name("old.bin");
+        let mut watch = FileWatch::default();
+        assert!(watch.add(&shot, std::slice::from_ref(&old)));
+        fs::write(folder.path().join("a.gltf"), "").expect("written");
+        watch.keep(&shot, &[folder.path().join("b.png")]);
+        assert_eq!(watch.look(), Changed { scene: true, ..Changed::default() });
+        assert_eq!(watch.look(), Changed::default());
+        fs::write(&old, "").expect("written");
+        assert_eq!(watch.look(), Changed::default(), "it is not used any more");
+        fs::write(folder.path().join("b.png"), "").expect("written");
+        assert_eq!(watch.look(), Changed { scene: true, ..Changed::default() });
     }
 }

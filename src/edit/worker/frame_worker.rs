@@ -12,9 +12,10 @@ use crate::pipeline::{
 };
 use crate::raster::geometry::KeptParts;
 use crate::raster::{self, DeviceChoice, Raster};
-use crate::scene::Scene;
-use crate::shot::{LayerSpace, Shot};
+use crate::scene::{self, Scene};
+use crate::shot::{LayerSpace, Shot, Source};
 use crate::space::FrameSize;
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -127,7 +128,7 @@ impl FrameWorker {
     fn load(&mut self, job: &Job, sender: &ReplySender) -> Result<(), PipelineError> {
         let shot = wanted_shot(job);
         // What cannot be loaded is watched, too: it may be mended on disk.
-        let is_other = self.watch.add(&shot);
+        let is_other = self.watch.add(&shot, &self.files_beside(&shot));
         let rework = match &mut self.open {
             Some(open) => open.edit(shot)?,
             None => {
@@ -158,13 +159,23 @@ impl FrameWorker {
             (self.drafts, self.still_ms, self.jerk) = (DraftSize::default(), 0.0, JerkMeter::default());
         }
         if rework == Rework::Scene || is_other {
-            self.watch = FileWatch::of(open);
+            self.watch.keep(open.given(), &open.prepared().scene.files_beside);
         }
-        self.watch.follow_plate(open);
+        self.watch.follow_plate(open.given());
         if rework >= Rework::Pins {
             sender.send(Reply::Loaded(Arc::new(self.facts(open))));
         }
         Ok(())
+    }
+
+    /// Returns the files beside the scene of a shot that is about to be loaded; none if it is loaded already, or cannot be read.
+    fn files_beside(&self, shot: &Shot) -> Vec<PathBuf> {
+        match (&self.open, &self.loaded, &shot.source) {
+            (Some(open), _, source) if open.given().source == *source => Vec::new(),
+            (None, Some(scene), _) => scene.files_beside.clone(),
+            (_, _, Source::Scene(scene)) => scene::files_beside(scene).unwrap_or_default(),
+            (_, _, Source::Images(_) | Source::Frame) => Vec::new(),
+        }
     }
 
     fn facts(&self, open: &OpenShot) -> Loaded {

@@ -130,6 +130,22 @@ impl PreparedShot {
     }
 }
 
+impl PreparedShot {
+    /// Returns width and height of the rest box of a screen layer's lattice at a (fractional) frame, in frame heights; `None` if nothing
+    /// of the layer is in or near the frame, and for world layers.
+    ///
+    /// # Errors
+    /// [`PipelineError::Solve`] if a world layer cannot be solved.
+    pub(crate) fn box_size(&self, index: usize, frame: f64) -> Result<Option<[f64; 2]>, PipelineError> {
+        let Layer { space: LayerSpace::Screen { dims, bounds }, basis, .. } = self.shot.layers[index] else {
+            return Ok(None);
+        };
+        let rest_box = screen_box(self, &self.unsolved_at(frame)?, index, bounds);
+        let grid = rest_box.map(|rest_box| Grid::over(rest_box, dims, basis));
+        Ok(grid.map(|grid| [0, 1].map(|axis| grid.size(axis))))
+    }
+}
+
 /// Returns box, grid and pins of a screen layer, without a factored matrix.
 pub(in crate::pipeline) fn unfactored(
     prepared: &PreparedShot,

@@ -101,29 +101,28 @@ fn size_of<'a>(primitives: impl Iterator<Item = &'a Primitive>) -> (usize, bool)
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] for the first such layer.
-pub(in crate::pipeline) fn check_branching(prepared: &PreparedShot) -> Result<(), PipelineError> {
-    check_idle_keys(prepared)?;
-    let layers = prepared.shot.layers.iter().zip(&prepared.assignment.parts_of_layer).enumerate();
-    let is_picture = matches!(prepared.shot.source, Source::Images(_));
+pub(in crate::pipeline) fn check_branching(shot: &Shot, assignment: &LayerAssignment) -> Result<(), PipelineError> {
+    check_idle_keys(shot, assignment)?;
+    let layers = shot.layers.iter().zip(&assignment.parts_of_layer).enumerate();
+    let is_picture = matches!(shot.source, Source::Images(_));
     let mut branching = layers.filter(|(_, (layer, _))| is_picture && layer.settings.topology == Topology::Branching);
     match branching.find(|(_, (_, parts))| parts.len() > 1) {
         Some((index, (layer, parts))) => {
             let what = format!("layer '{}' branches and has {} pictures", layer.name, parts.len());
             let hint = "give each picture a layer of its own, or set topology = \"plain\"";
             let key = format!("layer[{index}].lattice.topology");
-            Err(PipelineError::mismatch(&prepared.shot, &key, what, hint))
+            Err(PipelineError::mismatch(shot, &key, what, hint))
         }
         None => Ok(()),
     }
 }
 
 /// Refuses cuts, joins and orders of layers whose topology was left open and is plain.
-fn check_idle_keys(prepared: &PreparedShot) -> Result<(), PipelineError> {
-    let parts_of_layer = prepared.assignment.parts_of_layer.iter();
-    for (index, (layer, parts)) in prepared.shot.layers.iter().zip(parts_of_layer).enumerate() {
+fn check_idle_keys(shot: &Shot, assignment: &LayerAssignment) -> Result<(), PipelineError> {
+    for (index, (layer, parts)) in shot.layers.iter().zip(&assignment.parts_of_layer).enumerate() {
         let is_plain = layer.settings.topology == Topology::Plain && layer.has_auto_topology;
         let Some(key) = branching_key(layer).filter(|_| is_plain && layer.transfer.is_none()) else { continue };
-        let (why, hint) = match prepared.shot.source {
+        let (why, hint) = match shot.source {
             Source::Images(_) if parts.is_empty() => ("its picture is empty", "remove the key"),
             Source::Images(_) => ("it has several pictures", "give each picture a layer of its own, or remove the key"),
             Source::Scene(_) | Source::Frame => {
@@ -131,13 +130,13 @@ fn check_idle_keys(prepared: &PreparedShot) -> Result<(), PipelineError> {
             }
         };
         let what = format!("it acts on branching lattices only, and that of layer '{}' is plain: {why}", layer.name);
-        return Err(PipelineError::mismatch(&prepared.shot, &format!("layer[{index}].{key}"), what, hint));
+        return Err(PipelineError::mismatch(shot, &format!("layer[{index}].{key}"), what, hint));
     }
     Ok(())
 }
 
 /// Returns the first key of a layer that acts on branching lattices alone.
-fn branching_key(layer: &Layer) -> Option<String> {
+pub(crate) fn branching_key(layer: &Layer) -> Option<String> {
     let pin = layer.pins.iter().position(|pin| !pin.order.is_empty()).map(|pin| format!("pin[{pin}].order"));
     let Connectivity { cuts, joins, .. } = &layer.connectivity;
     let has = |list: bool, key: &str| list.then(|| format!("lattice.{key}"));

@@ -80,7 +80,7 @@ impl PreparedShot {
     pub(in crate::pipeline) fn with_own_scene(shot: Shot, scene: Scene) -> Result<Self, PipelineError> {
         check_size(&shot)?;
         let prepared = Self::with_scene(shot, scene)?;
-        check_branching(&prepared)?;
+        check_branching(&prepared.shot, &prepared.assignment)?;
         Ok(prepared)
     }
 

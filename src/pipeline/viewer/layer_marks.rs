@@ -7,12 +7,10 @@ use super::scene_lines::{PIECES, faces, in_view, lines};
 use crate::lattice::{Grid, SceneLattice, ScreenLattice};
 use crate::pipeline::evaluate::lattice_box::{screen_box, world_grid};
 use crate::pipeline::evaluate::layer_pins::region;
-use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::evaluate::world_layer::WorldLayer;
 use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample, WorldSolution};
 use crate::screen::Camera;
 use crate::shot::{Goal, LayerSpace, OffsetUnit, PinKey, Rotation};
-use crate::solve::{Shape, Solution};
 use crate::space::{RotatedBox, ScreenPoint, ScreenVector};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -67,7 +65,7 @@ pub(crate) fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<L
         let marks = LayerMarks { layer, ..LayerMarks::default() };
         let marks = match (&state.solution, &state.world) {
             (Some(solution), _) => {
-                let folded = folded_outlines(solution, || screen_shape(prepared, sample, layer));
+                let folded = prepared.folded_outlines((sample, layer), solution);
                 of_screen(marks, &solution.lattice, folded)
             }
             (None, Some(world)) => {
@@ -129,7 +127,7 @@ fn rim(prepared: &PreparedShot, (layer, state): (usize, &PinState), lattice: &Sc
 fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, folded: Vec<Vec<ScreenPoint>>) -> LayerMarks {
     let grid = &lattice.grid;
     let spans = grid.dims.map(|count| grid.basis.spans(count));
-    let at = |cells: [f64; 2]| point_from_cells(lattice, cells);
+    let at = |cells: [f64; 2]| ScreenPoint(lattice.grid.point_from_spans(cells).into());
     let mut lines = Vec::new();
     for along in 0..2 {
         for line in 0..=spans[1 - along] {
@@ -150,40 +148,6 @@ fn of_screen(marks: LayerMarks, lattice: &ScreenLattice, folded: Vec<Vec<ScreenP
         rest_box: Some(grid.bounds()),
         ..marks
     }
-}
-
-/// Returns the point at this number of cells along each axis of the box.
-fn point_from_cells(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
-    let grid = &lattice.grid;
-    let unit = |axis: usize| cells[axis] / grid.basis.spans(grid.dims[axis]) as f64;
-    ScreenPoint(grid.point_from_unit(std::array::from_fn(unit)).into())
-}
-
-/// Returns the warped outlines of the cells in which the model folds.
-fn folded_outlines(solution: &Solution<2>, shape: impl Fn() -> Shape<2>) -> Vec<Vec<ScreenPoint>> {
-    let outlines = |lattice: &ScreenLattice, cells: Vec<[usize; 2]>| -> Vec<Vec<ScreenPoint>> {
-        cells.into_iter().map(|cell| cell_outline(lattice, cell)).collect()
-    };
-    match &solution.branches {
-        Some(branches) if solution.report.folded_model_cells > 0 => (0..branches.branch_count())
-            .flat_map(|branch| outlines(&branches.lattice(branch), branches.folds_of(branch).cells))
-            .collect(),
-        Some(_) => Vec::new(),
-        None => outlines(&solution.lattice, folded_model_cells(&solution.lattice, shape)),
-    }
-}
-
-/// Returns the warped outline of a cell between handles.
-fn cell_outline(lattice: &ScreenLattice, cell: [usize; 2]) -> Vec<ScreenPoint> {
-    let margin = lattice.grid.basis.margin() as f64;
-    let [x, y] = cell.map(|place| place as f64 - margin);
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-    let side = |k: usize| {
-        let ([from, to], t) = ([corners[k / PIECES % 4], corners[(k / PIECES + 1) % 4]], (k % PIECES) as f64);
-        std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * t / PIECES as f64)
-    };
-    let rim = (0..4 * PIECES).map(side);
-    rim.map(|[u, v]: [f64; 2]| lattice.warp(point_from_cells(lattice, [x + u, y + v]))).collect()
 }
 
 /// Returns the warped outlines of the faces around the cells in which the model folds.

@@ -4,6 +4,7 @@
 
 pub(super) mod brush_point;
 mod folded_model_cells;
+mod folded_outlines;
 pub(super) mod layer_marks;
 pub(super) mod new_shot;
 pub(super) mod open_shot;

@@ -85,6 +85,10 @@ impl OpenShot {
     /// As [`PreparedShot::new`]; in that case nothing changes.
     pub fn edit(&mut self, shot: Shot) -> Result<Rework, PipelineError> {
         let rework = rework(&self.given, &shot);
+        if matches!(rework, Rework::Frames | Rework::Stiffness | Rework::Pins) {
+            // Orders come and go with pins and their keys.
+            check_branching(&self.completed(&shot), &self.prepared.assignment)?;
+        }
         match rework {
             Rework::Nothing => {}
             Rework::Frames => self.put_shot(&shot),
@@ -100,7 +104,7 @@ impl OpenShot {
             Rework::Layers => {
                 let gallery = self.prepared.gallery.clone();
                 let again = PreparedShot::with_scene(colour_only(shot.clone()), self.prepared.scene.clone())?;
-                check_branching(&again)?;
+                check_branching(&again.shot, &again.assignment)?;
                 self.prepared = PreparedShot { gallery, ..again };
             }
             Rework::Scene => self.prepared = PreparedShot::new(colour_only(shot.clone()))?,
@@ -112,14 +116,13 @@ impl OpenShot {
         Ok(rework)
     }
 
-    /// Replaces the shot, keeping scene, layer assignment and pin anchors.
-    fn put_shot(&mut self, shot: &Shot) {
-        let prepared = &mut self.prepared;
+    /// Returns a shot as it is prepared, over the same scene, camera and layers.
+    fn completed(&self, shot: &Shot) -> Shot {
         let mut next = colour_only(shot.clone());
-        if let CameraRule::Own(camera) = &prepared.shot.camera {
+        if let CameraRule::Own(camera) = &self.prepared.shot.camera {
             next.camera = CameraRule::Own(camera.clone());
         }
-        for (layer, known) in next.layers.iter_mut().zip(&prepared.shot.layers) {
+        for (layer, known) in next.layers.iter_mut().zip(&self.prepared.shot.layers) {
             // Automatic dims and topologies were chosen when the shot was prepared.
             if layer.has_auto_dims {
                 layer.space = known.space;
@@ -128,6 +131,13 @@ impl OpenShot {
                 layer.settings.topology = known.settings.topology;
             }
         }
+        next
+    }
+
+    /// Replaces the shot, keeping scene, layer assignment and pin anchors.
+    fn put_shot(&mut self, shot: &Shot) {
+        let next = self.completed(shot);
+        let prepared = &mut self.prepared;
         let is_same = |index: usize| self.given.layers.get(index) == shot.layers.get(index);
         let is_world = |layer: &Layer| matches!(layer.space, LayerSpace::World { .. });
         // World layers move the meshes below screen layers.

@@ -91,7 +91,7 @@ impl Check<'_> {
         let source = self.source(&raw);
         let frames = self.frames(&raw.frames);
         let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
-        let size = self.size(&raw, &source, (plate.as_deref(), frames.first));
+        let size = self.size(&raw, &source, (plate.as_deref(), &frames));
         let defaults = LayerDefaults {
             step: raw.step,
             strength: raw.strength,

@@ -3,9 +3,9 @@
 //! In: the raw shot, its source and plate. Out: the size.
 
 use super::Check;
-use crate::image::{SequencePath, picture_size};
-use crate::shot::Source;
+use crate::image::{SequencePath, picture_size, sequence_size};
 use crate::shot::raw::RawShot;
+use crate::shot::{FrameRange, Source};
 use crate::space::FrameSize;
 use std::path::Path;
 
@@ -13,13 +13,13 @@ use std::path::Path;
 const DEFAULT_SIZE: [u32; 2] = [1920, 1080];
 
 impl Check<'_> {
-    /// Returns the frame size: the shot's, else that of its first picture, else that of its plate in the first frame. A plate that
-    /// cannot be read is no fault: it may not exist yet, and the command line may give another one.
+    /// Returns the frame size: the shot's, else that of its first picture, else that of the first frame of its plate that
+    /// can be read, as for `pinwarp warp`. If none can, that is no fault: they may not exist yet, and the command line may give others.
     pub(super) fn size(
         &mut self,
         raw: &RawShot,
         source: &Source,
-        (plate, first_frame): (Option<&Path>, i32),
+        (plate, frames): (Option<&Path>, &FrameRange),
     ) -> FrameSize {
         let [width, height] = raw.size.unwrap_or(DEFAULT_SIZE);
         let default = FrameSize { width, height, pixel_aspect: raw.pixel_aspect.unwrap_or(1.0) };
@@ -28,7 +28,9 @@ impl Check<'_> {
         }
         let shown = match source {
             Source::Images(images) => images.first().map(|image| picture_size(image)),
-            Source::Frame => plate.map(|plate| picture_size(&SequencePath::of_input(plate)?.path_of(first_frame))),
+            Source::Frame => plate.map(|plate| {
+                sequence_size(&SequencePath::of_input(plate)?, (frames.first, frames.first..=frames.last))
+            }),
             Source::Scene(_) => None,
         };
         match shown {

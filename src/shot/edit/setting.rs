@@ -7,7 +7,7 @@ use super::pin::{PinName, edit_layer, edit_pin};
 use super::text::EditableText;
 use super::{fault, find, no_tables, tables};
 use crate::shot::ShotError;
-use toml_edit::{Array, ArrayOfTables, Item, Table, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, InlineTable, Item, Table, TableLike, Value};
 
 /// A value in a shot file.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +59,19 @@ pub(crate) fn put_setting(text: &str, key: &[&str], setting: &Setting) -> Result
 /// As [`put_setting`], and if there is no such layer.
 pub(crate) fn put_layer_setting(text: &str, layer: &str, key: &[&str], setting: &Setting) -> Result<String, ShotError> {
     edit_layer(text, layer, layer, |table| put(table, key, setting).ok_or_else(|| not_table(&key.join("."))))
+}
+
+/// Fixes the rest box of a layer's lattice: left, bottom, right, top; in the scene x0, y0, z0, x1, y1, z1.
+///
+/// # Errors
+/// As [`put_layer_setting`].
+pub(crate) fn put_box(text: &str, layer: &str, corners: &[f64]) -> Result<String, ShotError> {
+    edit_layer(text, layer, layer, |table| {
+        let lattice = sub_table(table, "lattice").ok_or_else(|| not_table("lattice.box"))?;
+        let fixed = InlineTable::from_iter([("fixed", Value::Array(corners.iter().copied().collect::<Array>()))]);
+        replace(lattice, "box", Value::InlineTable(fixed));
+        Ok(())
+    })
 }
 
 /// Sets a single value of a pin: `weight`, `mute`.
