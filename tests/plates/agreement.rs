@@ -13,6 +13,7 @@ use pinwarp::raster::{ChannelGroup, DeviceChoice};
 use pinwarp::shot::{Shot, Unmatted};
 use pinwarp::space::FrameSize;
 use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
@@ -58,6 +59,42 @@ pub(super) fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
     let summary = render(&prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
     assert_eq!(summary.failed, 0);
     frames(folder, "f")
+}
+
+/// The files and pictures of a shot.
+pub(super) struct Rendered {
+    files: Vec<Vec<u8>>,
+    pub(super) frames: Vec<Frame>,
+}
+
+impl Rendered {
+    fn of(shot: Shot) -> Self {
+        let folder = TempDir::new().expect("a folder");
+        let frames = rendered(shot, folder.path());
+        let file = |frame: &i32| std::fs::read(folder.path().join(format!("f.{frame:04}.exr"))).expect("a frame");
+        Self { files: FRAMES.iter().map(file).collect(), frames }
+    }
+
+    /// A folder with the files.
+    pub(super) fn folder(&self) -> TempDir {
+        let folder = TempDir::new().expect("a folder");
+        for (frame, file) in FRAMES.iter().zip(&self.files) {
+            std::fs::write(folder.path().join(format!("f.{frame:04}.exr")), file).expect("written");
+        }
+        folder
+    }
+}
+
+/// A scene at rest, and as a shot moves it: rendered once, also for several tests.
+pub(super) struct Pair {
+    pub(super) still: Rendered,
+    pub(super) moved: Rendered,
+}
+
+impl Pair {
+    pub(super) fn of(shot: &Shot) -> Self {
+        Self { still: Rendered::of(still(shot)), moved: Rendered::of(shot.clone()) }
+    }
 }
 
 pub(super) fn frames(folder: &Path, name: &str) -> Vec<Frame> {
@@ -143,20 +180,25 @@ fn compare(plate: &Frame, geometry: &Frame) -> Result<String, String> {
 }
 
 /// What is compared: everything warped by one layer, or one thing of several.
-fn check(shot: &Shot, holes: &Holes) -> Vec<Result<String, String>> {
-    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(shot), plates.path());
-    let warped = warped(shot.clone(), holes.clone(), plates.path());
-    warped.iter().zip(&expected).map(|(plate, geometry)| compare(plate, geometry)).collect()
+fn check(shot: Shot, pair: &Pair, holes: Holes) -> Vec<Result<String, String>> {
+    let warped = warped(shot, holes, pair.still.folder().path());
+    warped.iter().zip(&pair.moved.frames).map(|(plate, geometry)| compare(plate, geometry)).collect()
+}
+
+/// The teapot in a layer that takes everything.
+fn whole_scene() -> (Shot, &'static Pair) {
+    static PAIR: OnceLock<Pair> = OnceLock::new();
+    let mut shot = teapot();
+    shot.layers[0].nodes.clear();
+    shot.layers[0].matte = Some(Matte::Alpha);
+    let pair = PAIR.get_or_init(|| Pair::of(&shot));
+    (shot, pair)
 }
 
 #[test]
 fn a_whole_scene_warped_as_a_picture_is_the_scene_warped() {
-    let mut shot = teapot();
-    shot.layers[0].nodes.clear();
-    shot.layers[0].matte = Some(Matte::Alpha);
-    for outcome in check(&shot, &Holes::Leave) {
+    let (shot, pair) = whole_scene();
+    for outcome in check(shot, pair, Holes::Leave) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
 }
@@ -168,7 +210,8 @@ const TEAPOT: u32 = 1;
 fn a_matted_thing_and_the_scene_behind_it_agree_too() {
     let mut shot = teapot();
     shot.layers[0].matte = Some(Matte::Id { channel: "id.layer".into(), values: vec![TEAPOT] });
-    for outcome in check(&shot, &Holes::Geometry) {
+    let pair = Pair::of(&shot);
+    for outcome in check(shot, &pair, Holes::Geometry) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
 }
@@ -193,36 +236,26 @@ fn pixels_off(plate: &Frame, geometry: &Frame) -> usize {
 
 #[test]
 fn layers_without_mattes_move_their_own_nodes_only() {
-    let geometry = TempDir::new().expect("a folder");
-    let expected = rendered(walker(), geometry.path());
-    let off = |with_names: bool, unmatted: Unmatted| -> usize {
-        let plates = TempDir::new().expect("a folder");
-        let mut plate = still(&walker());
-        if with_names {
-            plate.output.channels.push(ChannelGroup::Cryptomatte);
-        }
-        rendered(plate, plates.path());
+    let Pair { still: plain, moved } = Pair::of(&walker());
+    let mut with_names = still(&walker());
+    with_names.output.channels.push(ChannelGroup::Cryptomatte);
+    let named = Rendered::of(with_names);
+    let off = |plates: &Rendered, unmatted: Unmatted| -> usize {
         let mut shot = walker();
         shot.layers.iter_mut().for_each(|layer| layer.unmatted = unmatted);
-        let warped = warped(shot, Holes::Geometry, plates.path());
-        let off = warped.iter().zip(&expected).map(|(plate, geometry)| pixels_off(plate, geometry));
-        off.inspect(|off| eprintln!("{unmatted:?}, names {with_names}: {off} pixels off")).max().expect("frames")
+        let warped = warped(shot, Holes::Geometry, plates.folder().path());
+        let off = warped.iter().zip(&moved.frames).map(|(plate, geometry)| pixels_off(plate, geometry));
+        off.inspect(|off| eprintln!("{unmatted:?}: {off} pixels off")).max().expect("frames")
     };
     // 57600 pixels: what differs are edges, where samples of raster and filter fall differently.
-    assert!(off(false, Unmatted::OwnNodes) < 400, "drawn from the scene");
-    assert!(off(true, Unmatted::OwnNodes) < 400, "named by the plate's Cryptomatte");
-    assert!(off(false, Unmatted::Picture) > 2000, "each layer bends the meadow and the others");
+    assert!(off(&plain, Unmatted::OwnNodes) < 400, "drawn from the scene");
+    assert!(off(&named, Unmatted::OwnNodes) < 400, "named by the plate's Cryptomatte");
+    assert!(off(&plain, Unmatted::Picture) > 2000, "each layer bends the meadow and the others");
 }
 
 #[test]
 fn a_warp_that_is_a_little_too_weak_is_found() {
-    let mut shot = teapot();
-    shot.layers[0].nodes.clear();
-    shot.layers[0].matte = Some(Matte::Alpha);
-    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(&shot), plates.path());
+    let (mut shot, pair) = whole_scene();
     shot.layers[0].strength = 0.97;
-    let warped = warped(shot, Holes::Leave, plates.path());
-    assert!(compare(&warped[1], &expected[1]).is_err(), "3 % of the way are a pixel and a half");
+    assert!(check(shot, pair, Holes::Leave)[1].is_err(), "3 % of the way are a pixel and a half");
 }
