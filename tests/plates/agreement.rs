@@ -13,7 +13,7 @@ use pinwarp::raster::{ChannelGroup, DeviceChoice};
 use pinwarp::shot::{Shot, Unmatted};
 use pinwarp::space::FrameSize;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
@@ -52,11 +52,18 @@ pub(super) fn still(shot: &Shot) -> Shot {
     still
 }
 
-pub(super) fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
-    shot.output.path = folder.join("f.####.exr");
-    let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
+pub(super) fn prepared(shot: Shot) -> PreparedShot {
+    PreparedShot::new(shot).expect("the scene fits the shot")
+}
+
+pub(super) fn rendered(shot: Shot, folder: &Path) -> Vec<Frame> {
+    rendered_of(&mut prepared(shot), folder)
+}
+
+fn rendered_of(prepared: &mut PreparedShot, folder: &Path) -> Vec<Frame> {
+    prepared.shot.output.path = folder.join("f.####.exr");
     let options = RenderOptions { frames: FRAMES.into(), device: DeviceChoice::Cpu, ..RenderOptions::default() };
-    let summary = render(&prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
+    let summary = render(prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
     assert_eq!(summary.failed, 0);
     frames(folder, "f")
 }
@@ -68,9 +75,9 @@ pub(super) struct Rendered {
 }
 
 impl Rendered {
-    fn of(shot: Shot) -> Self {
+    fn of(prepared: &mut PreparedShot) -> Self {
         let folder = TempDir::new().expect("a folder");
-        let frames = rendered(shot, folder.path());
+        let frames = rendered_of(prepared, folder.path());
         let file = |frame: &i32| std::fs::read(folder.path().join(format!("f.{frame:04}.exr"))).expect("a frame");
         Self { files: FRAMES.iter().map(file).collect(), frames }
     }
@@ -85,15 +92,19 @@ impl Rendered {
     }
 }
 
-/// A scene at rest, and as a shot moves it: rendered once, also for several tests.
+/// A shot, solved and rendered once, and its scene at rest; also for several tests.
 pub(super) struct Pair {
+    pub(super) shot: PreparedShot,
     pub(super) still: Rendered,
     pub(super) moved: Rendered,
 }
 
 impl Pair {
-    pub(super) fn of(shot: &Shot) -> Self {
-        Self { still: Rendered::of(still(shot)), moved: Rendered::of(shot.clone()) }
+    pub(super) fn of(shot: Shot) -> Self {
+        let still = Rendered::of(&mut prepared(still(&shot)));
+        let mut shot = prepared(shot);
+        let moved = Rendered::of(&mut shot);
+        Self { shot, still, moved }
     }
 }
 
@@ -103,14 +114,13 @@ pub(super) fn frames(folder: &Path, name: &str) -> Vec<Frame> {
 }
 
 /// The plates of a folder, warped by a shot.
-pub(super) fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
+pub(super) fn warped(prepared: &PreparedShot, holes: Holes, folder: &Path) -> Vec<Frame> {
     let settings =
         WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), holes, ..WarpSettings::default() };
-    let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
     let job = WarpJob {
         plate: folder.join("f.####.exr"),
         output: folder.join("w.####.exr"),
-        warp: PlateWarp::Shot(&prepared),
+        warp: PlateWarp::Shot(prepared),
         settings,
         direction: WarpDirection::Forward,
         layers: Vec::new(),
@@ -180,25 +190,24 @@ fn compare(plate: &Frame, geometry: &Frame) -> Result<String, String> {
 }
 
 /// What is compared: everything warped by one layer, or one thing of several.
-fn check(shot: Shot, pair: &Pair, holes: Holes) -> Vec<Result<String, String>> {
+fn check(shot: &PreparedShot, pair: &Pair, holes: Holes) -> Vec<Result<String, String>> {
     let warped = warped(shot, holes, pair.still.folder().path());
     warped.iter().zip(&pair.moved.frames).map(|(plate, geometry)| compare(plate, geometry)).collect()
 }
 
 /// The teapot in a layer that takes everything.
-fn whole_scene() -> (Shot, &'static Pair) {
-    static PAIR: OnceLock<Pair> = OnceLock::new();
+fn whole_scene() -> Shot {
     let mut shot = teapot();
     shot.layers[0].nodes.clear();
     shot.layers[0].matte = Some(Matte::Alpha);
-    let pair = PAIR.get_or_init(|| Pair::of(&shot));
-    (shot, pair)
+    shot
 }
+
+static WHOLE_SCENE: LazyLock<Pair> = LazyLock::new(|| Pair::of(whole_scene()));
 
 #[test]
 fn a_whole_scene_warped_as_a_picture_is_the_scene_warped() {
-    let (shot, pair) = whole_scene();
-    for outcome in check(shot, pair, Holes::Leave) {
+    for outcome in check(&WHOLE_SCENE.shot, &WHOLE_SCENE, Holes::Leave) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
 }
@@ -210,8 +219,8 @@ const TEAPOT: u32 = 1;
 fn a_matted_thing_and_the_scene_behind_it_agree_too() {
     let mut shot = teapot();
     shot.layers[0].matte = Some(Matte::Id { channel: "id.layer".into(), values: vec![TEAPOT] });
-    let pair = Pair::of(&shot);
-    for outcome in check(shot, &pair, Holes::Geometry) {
+    let pair = Pair::of(shot);
+    for outcome in check(&pair.shot, &pair, Holes::Geometry) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
 }
@@ -236,14 +245,13 @@ fn pixels_off(plate: &Frame, geometry: &Frame) -> usize {
 
 #[test]
 fn layers_without_mattes_move_their_own_nodes_only() {
-    let Pair { still: plain, moved } = Pair::of(&walker());
+    let Pair { mut shot, still: plain, moved } = Pair::of(walker());
     let mut with_names = still(&walker());
     with_names.output.channels.push(ChannelGroup::Cryptomatte);
-    let named = Rendered::of(with_names);
-    let off = |plates: &Rendered, unmatted: Unmatted| -> usize {
-        let mut shot = walker();
-        shot.layers.iter_mut().for_each(|layer| layer.unmatted = unmatted);
-        let warped = warped(shot, Holes::Geometry, plates.folder().path());
+    let named = Rendered::of(&mut prepared(with_names));
+    let mut off = |plates: &Rendered, unmatted: Unmatted| -> usize {
+        shot.shot.layers.iter_mut().for_each(|layer| layer.unmatted = unmatted);
+        let warped = warped(&shot, Holes::Geometry, plates.folder().path());
         let off = warped.iter().zip(&moved.frames).map(|(plate, geometry)| pixels_off(plate, geometry));
         off.inspect(|off| eprintln!("{unmatted:?}: {off} pixels off")).max().expect("frames")
     };
@@ -255,7 +263,7 @@ fn layers_without_mattes_move_their_own_nodes_only() {
 
 #[test]
 fn a_warp_that_is_a_little_too_weak_is_found() {
-    let (mut shot, pair) = whole_scene();
+    let mut shot = whole_scene();
     shot.layers[0].strength = 0.97;
-    assert!(check(shot, pair, Holes::Leave)[1].is_err(), "3 % of the way are a pixel and a half");
+    assert!(check(&prepared(shot), &WHOLE_SCENE, Holes::Leave)[1].is_err(), "3 % of the way are a pixel and a half");
 }

@@ -1,6 +1,6 @@
 //! Lattices that branch over finished frames: a plate of the unwarped model, warped, shows what the same shot renders.
 
-use super::agreement::{FRAMES, Pair, at, frames, warped};
+use super::agreement::{FRAMES, Pair, at, frames, prepared, warped};
 use super::assets::asset;
 use pinwarp::export::LatticeFile;
 use pinwarp::image::{Durability, Frame};
@@ -12,7 +12,7 @@ use pinwarp::solve::Topology;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 
 /// What a plate and the geometry show differently.
@@ -56,7 +56,7 @@ pub(super) fn apart(plate: &Frame, geometry: &Frame) -> Apart {
 }
 
 /// What differs in each frame.
-pub(super) fn check(shot: Shot, pair: &Pair) -> Vec<Apart> {
+pub(super) fn check(shot: &PreparedShot, pair: &Pair) -> Vec<Apart> {
     let warped = warped(shot, Holes::Leave, pair.still.folder().path());
     let both = warped.iter().zip(&pair.moved.frames);
     let found: Vec<Apart> = both.map(|(plate, geometry)| apart(plate, geometry)).collect();
@@ -64,22 +64,24 @@ pub(super) fn check(shot: Shot, pair: &Pair) -> Vec<Apart> {
     found
 }
 
-/// The drawn girl that comes with the program: its shot file, its shot, and its plates.
-fn puppet() -> (PathBuf, Shot, &'static Pair) {
-    static PAIR: OnceLock<Pair> = OnceLock::new();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml");
-    let shot = Shot::read(&path).expect("a right shot");
-    let pair = PAIR.get_or_init(|| Pair::of(&shot));
-    (path, shot, pair)
+/// The drawn girl that comes with the program.
+static PUPPET: LazyLock<Pair> = LazyLock::new(|| Pair::of(puppet()));
+
+fn puppet_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml")
+}
+
+fn puppet() -> Shot {
+    Shot::read(&puppet_path()).expect("a right shot")
 }
 
 #[test]
 fn a_drawing_as_a_plate_goes_where_the_drawing_goes() {
-    let (_, mut shot, pair) = puppet();
-    let branching = check(shot.clone(), pair);
+    let branching = check(&PUPPET.shot, &PUPPET);
     assert!(branching.iter().all(|apart| apart.covered > 100_000 && apart.holes + apart.off < 100), "{branching:?}");
+    let mut shot = puppet();
     shot.layers[0].settings.topology = Topology::Plain;
-    let plain = check(shot, pair).remove(0);
+    let plain = check(&prepared(shot), &PUPPET).remove(0);
     assert!(plain.holes + plain.off > 2000, "another warp is found: {plain:?}");
 }
 
@@ -105,10 +107,9 @@ pub(super) fn warped_by(warp: PlateWarp, folder: &Path) -> Vec<Frame> {
 
 #[test]
 fn lattice_files_and_maps_carry_branches() {
-    let (path, shot, pair) = puppet();
+    let (pair, path) = (&*PUPPET, puppet_path());
     let plates = pair.still.folder();
-    let prepared = PreparedShot::new(shot).expect("the picture is there");
-    let file = lattices(&prepared, &FRAMES, |_| ()).expect("solvable");
+    let file = lattices(&pair.shot, &FRAMES, |_| ()).expect("solvable");
     let [written, finer] = ["a.json", "b.json"].map(|name| plates.path().join(name));
     file.write(&written).expect("written");
     assert_eq!(LatticeFile::read(&written).expect("read"), file);
@@ -158,9 +159,8 @@ fn walking_fox(angle: f64) -> Option<Shot> {
 
 #[test]
 fn legs_that_cross_in_a_plate_move_by_themselves() {
-    let Some(shot) = walking_fox(0.0) else { return };
-    let pair = Pair::of(&shot);
-    let found = check(shot, &pair);
+    let Some(pair) = walking_fox(0.0).map(Pair::of) else { return };
+    let found = check(&pair.shot, &pair);
     // What one leg hid of the other is not in the plate.
     assert!(found.iter().all(|apart| apart.covered > 40_000 && apart.holes < 1500), "{found:?}");
     // Outlines are softened twice.
@@ -170,8 +170,7 @@ fn legs_that_cross_in_a_plate_move_by_themselves() {
 
 #[test]
 fn blurred_edges_of_branches_keep_their_share() {
-    let Some(shot) = walking_fox(180.0) else { return };
-    let pair = Pair::of(&shot);
-    let found = check(shot, &pair);
+    let Some(pair) = walking_fox(180.0).map(Pair::of) else { return };
+    let found = check(&pair.shot, &pair);
     assert!(found.iter().all(|apart| apart.holes < 2000 && apart.off < 6000), "{found:?}");
 }
