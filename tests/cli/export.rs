@@ -31,9 +31,9 @@ fn corners_of(scene: &Scene, pose: &Pose, place: impl Fn(usize, usize) -> DVec3)
 /// Where a shot puts its triangles in a frame: screen layers move them across the view.
 fn warped(prepared: &PreparedShot, frame: i32) -> Corners {
     let sample: &TimeSample = &prepared.sample_at(f64::from(frame)).expect("solved");
+    let mesh = sample.mesh();
     corners_of(&prepared.scene, &sample.pose, |part, vertex| {
-        let (place, seen) =
-            (sample.pose.parts[part].positions[vertex].0.as_dvec3(), sample.mesh().parts[part].vertices[vertex]);
+        let (place, seen) = (sample.pose.parts[part].positions[vertex].0.as_dvec3(), mesh.parts[part].vertices[vertex]);
         let solution = prepared.assignment.layer_of_part[part].and_then(|layer| sample.layers[layer].solution.as_ref());
         let by = |lattice: &pinwarp::lattice::ScreenLattice| {
             sample.camera.scene_from_screen_vector(lattice.warp(seen.point()) - seen.point(), seen.w)
@@ -169,45 +169,50 @@ fn the_exported_scene_renders_like_the_warped_one() {
     assert!(share_of_different_pixels(&bench, ["out/f.0001.exr", "out/f.0002.exr"], 1e-3) > 0.02);
 }
 
-/// Runs a script (or imports a scene), and writes the corners of every mesh in some frames.
+/// Runs scripts (or imports scenes), each in a new file, and writes the corners of every mesh in some frames.
 const BLENDER: &str = r#"
 import bpy, json, runpy, sys
-source, frames, later, out = sys.argv[1], [int(f) for f in sys.argv[2].split(",")], int(sys.argv[3]), sys.argv[4]
-# Scripts meet the cube, light and camera of a new file, and take them out.
-bpy.ops.wm.read_factory_settings(use_empty=not source.endswith(".py"))
-if source.endswith(".py"):
-    runpy.run_path(source, run_name="__main__")
-else:
-    bpy.context.scene.render.fps = 24
-    bpy.ops.import_scene.gltf(filepath=source)
-told = {}
-for frame in frames:
-    bpy.context.scene.frame_set(frame + later)
-    graph = bpy.context.evaluated_depsgraph_get()
-    told[frame] = {}
-    for thing in [thing for thing in bpy.data.objects if thing.type == "MESH"]:
-        seen = thing.evaluated_get(graph)
-        mesh, place = seen.to_mesh(), seen.matrix_world
-        points = [place @ vertex.co for vertex in mesh.vertices]
-        corners = [points[k] for face in mesh.polygons for k in face.vertices]
-        told[frame][thing.name] = [[p.x, p.z, -p.y] for p in corners]
-        seen.to_mesh_clear()
-modifiers = sum(modifier.type == "LATTICE" for thing in bpy.data.objects for modifier in thing.modifiers)
-scene = bpy.context.scene
-default = [thing.name for thing in bpy.data.objects if thing.name in ("Cube", "Light", "Camera")]
-facts = {"default": default, "frames": told, "modifiers": modifiers, "camera": scene.camera and scene.camera.name, "end": scene.frame_end}
-json.dump(facts, open(out, "w"))
+
+def facts(source, frames, later):
+    # Scripts meet the cube, light and camera of a new file, and take them out.
+    bpy.ops.wm.read_factory_settings(use_empty=not source.endswith(".py"))
+    if source.endswith(".py"):
+        runpy.run_path(source, run_name="__main__")
+    else:
+        bpy.context.scene.render.fps = 24
+        bpy.ops.import_scene.gltf(filepath=source)
+    told = {}
+    for frame in frames:
+        bpy.context.scene.frame_set(frame + later)
+        graph = bpy.context.evaluated_depsgraph_get()
+        told[frame] = {}
+        for thing in [thing for thing in bpy.data.objects if thing.type == "MESH"]:
+            seen = thing.evaluated_get(graph)
+            mesh, place = seen.to_mesh(), seen.matrix_world
+            points = [place @ vertex.co for vertex in mesh.vertices]
+            corners = [points[k] for face in mesh.polygons for k in face.vertices]
+            told[frame][thing.name] = [[p.x, p.z, -p.y] for p in corners]
+            seen.to_mesh_clear()
+    modifiers = sum(modifier.type == "LATTICE" for thing in bpy.data.objects for modifier in thing.modifiers)
+    scene = bpy.context.scene
+    default = [thing.name for thing in bpy.data.objects if thing.name in ("Cube", "Light", "Camera")]
+    camera = scene.camera and scene.camera.name
+    return {"default": default, "frames": told, "modifiers": modifiers, "camera": camera, "end": scene.frame_end}
+
+json.dump([facts(*job) for job in json.loads(sys.argv[1])], open(sys.argv[2], "w"))
 "#;
 
-/// What Blender shows of a script or a scene; `None` without Blender.
-fn in_blender(bench: &Bench, source: &str, frames: &str, later: i32) -> Option<Value> {
-    let (source, out) = (bench.path(source), bench.path("blender.json"));
-    let later = later.to_string();
-    let arguments = [source.as_os_str(), frames.as_ref(), later.as_ref(), out.as_os_str()];
-    python::run(&["bpy"], BLENDER, &arguments)?;
-    let facts: Value = serde_json::from_slice(&bench.read("blender.json")).expect("JSON");
-    assert_eq!(facts["default"], serde_json::json!([]), "Blender's default objects are gone");
-    Some(facts)
+/// Scripts or scenes, the frames to look at, and how much later those are in Blender.
+type Shown<'a> = (PathBuf, &'a [i32], i32);
+
+/// What Blender shows of scripts and scenes; `None` without Blender.
+fn in_blender<const N: usize>(shown: [Shown; N]) -> Option<[Value; N]> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (jobs, out) = (serde_json::json!(shown.as_slice()).to_string(), folder.path().join("blender.json"));
+    python::run(&["bpy"], BLENDER, &[jobs.as_ref(), out.as_os_str()])?;
+    let facts: Vec<Value> = serde_json::from_slice(&std::fs::read(out).expect("it was written")).expect("JSON");
+    assert!(facts.iter().all(|facts| facts["default"] == serde_json::json!([])), "Blender's default objects are gone");
+    Some(facts.try_into().expect("as many as were asked for"))
 }
 
 fn corners_in(told: &Value, frame: i32) -> Corners {
@@ -227,7 +232,7 @@ fn blender_shows_the_exported_scene_where_we_do() {
     let bench = Bench::new();
     export_scene(&bench, "hare", "--to gltf --frames 1-24x4 -o hare.glb");
     // The importer counts frames from 0 and the shot from 1.
-    let Some(told) = in_blender(&bench, "hare.glb", "1,13", -1) else { return };
+    let Some([told]) = in_blender([(bench.path("hare.glb"), &[1, 13], -1)]) else { return };
     let gap = gap_to_blender(&shot_of("hare"), &told, &[1, 13]);
     assert!(gap < TOLERANCE, "{gap:e}");
 }
@@ -237,15 +242,15 @@ fn lattice_objects_of_the_world_move_vertices_like_ours_in_blender() {
     let bench = Bench::new();
     let said = export_scene(&bench, "hare", "--to blender --frames 1-24x4,20 -o hare.py");
     assert!(said.contains("layer 'hare': a lattice object of 5 x 5 x 5 points, exact"), "{said}");
-    let Some(told) = in_blender(&bench, "hare.py", "1,5,20,21", 0) else { return };
+    // The comparison can fail: another blend of the same points is somewhere else.
+    let script = String::from_utf8(bench.read("hare.py")).expect("text").replace("KEY_BSPLINE", "KEY_CARDINAL");
+    bench.write("other.py", script.as_bytes());
+    let shown: [Shown; 2] = [(bench.path("hare.py"), &[1, 5, 20, 21], 0), (bench.path("other.py"), &[5, 20], 0)];
+    let Some([told, other]) = in_blender(shown) else { return };
     assert_eq!((&told["modifiers"], &told["camera"]), (&Value::from(3), &Value::from("ShotCam")));
     let gap = gap_to_blender(&shot_of("hare"), &told, &[1, 5, 20, 21]);
     assert!(gap < TOLERANCE, "{gap:e}");
-    // The comparison can fail: another blend of the same points is somewhere else.
-    let script = String::from_utf8(bench.read("hare.py")).expect("text").replace("KEY_BSPLINE", "KEY_CARDINAL");
-    bench.write("hare.py", script.as_bytes());
-    let told = in_blender(&bench, "hare.py", "5,20", 0).expect("it ran before");
-    assert!(gap_to_blender(&shot_of("hare"), &told, &[5, 20]) > 100.0 * TOLERANCE);
+    assert!(gap_to_blender(&shot_of("hare"), &other, &[5, 20]) > 100.0 * TOLERANCE);
 }
 
 #[test]
@@ -265,17 +270,21 @@ fn cards_get_lattice_objects_and_what_has_depth_is_baked() {
         ("bernstein", cards.json(), bernstein, 0, "do not support Bernstein polynomials", 0),
         ("early", cards.json(), early, 1, "48 later than the shot's", 48),
     ];
-    for (name, scene, shot, modifiers, says, later) in cases {
+    let exported = cases.map(|(name, scene, shot, modifiers, says, later)| {
         let bench = Bench::with(&scene, &format!("{shot}{OUTPUT}"));
         let said = bench.run("export shot.toml --to blender").says(0, &[]).stdout;
         assert!(said.contains(says), "{name}: {said}");
         let script = String::from_utf8(bench.read("shot.blender.py")).expect("text");
         assert_eq!(script.contains("NO lattice but baked shape keys"), modifiers == 0, "{name}: the head tells");
-        let frames = if later == 0 { [1, 2] } else { [-30, -29] };
-        let list = format!("{},{}", frames[0], frames[1]);
-        let Some(told) = in_blender(&bench, "shot.blender.py", &list, later) else { return };
-        assert_eq!(told["modifiers"], modifiers, "{name}");
-        let gap = gap_to_blender(&bench.path("shot.toml"), &told, &frames);
+        (name, bench, modifiers, if later == 0 { [1, 2] } else { [-30, -29] }, later)
+    });
+    let shown = exported
+        .each_ref()
+        .map(|(_, bench, _, frames, later)| -> Shown { (bench.path("shot.blender.py"), frames.as_slice(), *later) });
+    let Some(told) = in_blender(shown) else { return };
+    for ((name, bench, modifiers, frames, _), told) in exported.iter().zip(&told) {
+        assert_eq!(told["modifiers"], *modifiers, "{name}");
+        let gap = gap_to_blender(&bench.path("shot.toml"), told, frames);
         assert!(gap < TOLERANCE, "{name}: {gap:e}");
     }
 }
@@ -293,7 +302,7 @@ fn pictures_travel_as_textured_cards_with_their_lattices() {
     assert!(flag.materials.iter().all(|material| material.unlit && material.alpha == AlphaMode::Blend));
     let said = export_scene(&bench, "cat", "--to blender --frames 1,8,16 -o cat.py");
     assert!(said.contains("layer 'cat': a lattice object of 10 x 10 x 1 points, exact"), "{said}");
-    let Some(told) = in_blender(&bench, "cat.py", "1,8,16", 0) else { return };
+    let Some([told]) = in_blender([(bench.path("cat.py"), &[1, 8, 16], 0)]) else { return };
     assert_eq!((&told["modifiers"], &told["camera"]), (&Value::from(1), &Value::from("camera")));
     let gap = gap_to_blender(&shot_of("cat"), &told, &[1, 8, 16]);
     assert!(gap < TOLERANCE, "{gap:e}");

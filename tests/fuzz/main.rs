@@ -13,13 +13,15 @@ use damage::{Rng, damaged};
 use kinds::Kind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 /// Longest that a damaged file may keep its reader, on a busy machine.
 const MAX_SECONDS: u64 = 60;
 /// Memory that reading damaged files may take at its peak: the largest sound one takes a tenth of that.
 const MAX_MEGABYTES: u64 = 2048;
+/// Threads that read damaged files.
+const THREADS: u64 = 2;
 /// Cases of a kind that may fail before the others are left out.
 const MAX_FAULTS: usize = 3;
 
@@ -36,23 +38,24 @@ fn peak_megabytes() -> Option<u64> {
 
 /// How a case went.
 struct Outcome {
+    case: u64,
     /// `Err`: what it panicked with.
     taken: Result<bool, String>,
     took: Duration,
 }
 
 /// Reads one file where a panic does no harm.
-fn attempt(kind: &Kind, path: &Path) -> Outcome {
+fn attempt(kind: &Kind, case: u64, path: &Path) -> Outcome {
     let begun = Instant::now();
     let taken = catch_unwind(AssertUnwindSafe(|| (kind.read)(path)));
     let said = |panic: Box<dyn std::any::Any + Send>| {
         let text = panic.downcast_ref::<String>().cloned();
         text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned())).unwrap_or_default()
     };
-    Outcome { taken: taken.map_err(said), took: begun.elapsed() }
+    Outcome { case, taken: taken.map_err(said), took: begun.elapsed() }
 }
 
-/// All cases of a kind, one after the other, each in a file of its own name while it is read.
+/// All cases of a kind, each in a file of its own name while it is read.
 struct Round {
     folder: PathBuf,
     seed: u64,
@@ -72,14 +75,14 @@ impl Round {
         self.folder.join(format!("{case}.{}", kind.ending))
     }
 
-    /// A thread of its own: what never ends is left behind.
-    fn run(&self, kind: &Kind, report: &mpsc::Sender<Outcome>) {
-        for case in 0..self.count {
+    /// One thread's cases, from a first one on: what never ends is left behind.
+    fn run(&self, kind: &Kind, first: u64, report: &mpsc::Sender<Outcome>) {
+        for case in (first..self.count).step_by(THREADS as usize) {
             let mut rng = Rng::new(self.seed, case);
             let bytes = damaged(rng.pick::<Vec<u8>>(&kind.sound), kind.words, &mut rng);
             let path = self.path(kind, case);
             std::fs::write(&path, bytes).expect("the folder of the build");
-            let outcome = attempt(kind, &path);
+            let outcome = attempt(kind, case, &path);
             if outcome.taken.is_ok() {
                 std::fs::remove_file(&path).expect("just written");
             }
@@ -116,15 +119,20 @@ fn survive(kind: Kind) {
     let (report, outcomes) = mpsc::channel();
     let (mut taken, mut slowest, mut faults) = (0, Duration::ZERO, Vec::new());
     let (name, count, folder) = (kind.name, round.count, round.folder.clone());
-    std::thread::spawn(move || round.run(&kind, &report));
-    for case in 0..count {
+    let shared = Arc::new((round, kind));
+    for first in 0..THREADS {
+        let (shared, report) = (Arc::clone(&shared), report.clone());
+        std::thread::spawn(move || shared.0.run(&shared.1, first, &report));
+    }
+    drop(report);
+    for _ in 0..count {
         let Ok(outcome) = outcomes.recv_timeout(Duration::from_secs(MAX_SECONDS)) else {
-            panic!("{name}: case {case} in {} does not end", folder.display());
+            panic!("{name}: a case in {} does not end", folder.display());
         };
         slowest = slowest.max(outcome.took);
         match outcome.taken {
             Ok(went) => taken += u64::from(went),
-            Err(text) => faults.push(format!("case {case} in {}: {text}", folder.display())),
+            Err(text) => faults.push(format!("case {} in {}: {text}", outcome.case, folder.display())),
         }
         if faults.len() >= MAX_FAULTS {
             break;

@@ -10,6 +10,7 @@ use pinwarp::solve::Settings;
 use pinwarp::space::{FrameSize, ScreenVector};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::sync::{LazyLock, Mutex};
 
 /// Rows of a picture.
 const HEIGHT: u32 = 60;
@@ -19,6 +20,8 @@ pub(crate) struct Case {
     /// Name of its file.
     pub(crate) name: &'static str,
     what: What,
+    /// A shot that is ready to be drawn, for every device.
+    prepared: Mutex<Option<PreparedShot>>,
 }
 
 enum What {
@@ -36,39 +39,51 @@ impl Case {
         matches!(self.what, What::Shot { scene, .. } if !["flag", "cat", "puppet"].contains(&scene))
     }
 
-    pub(crate) fn draw(&self, device: &DeviceChoice) -> Result<Frame, PipelineError> {
-        self.draw_with(device, |_| {})
-    }
-
-    /// The same with another change of the shot after its own.
-    pub(crate) fn draw_with(&self, device: &DeviceChoice, spoil: fn(&mut Shot)) -> Result<Frame, PipelineError> {
+    pub(crate) fn draw(&self, device: DeviceChoice) -> Result<Frame, PipelineError> {
         match self.what {
             What::Shot { scene, frame, change } => {
-                let mut shot = Shot::read(&scenes().join(scene).join("shot.toml")).expect("the scene's shot is right");
-                let columns = (shot.size.aspect() * f64::from(HEIGHT)).round();
-                shot.size = FrameSize::new(columns as u32, HEIGHT);
-                shot.samples = 4;
-                shot.output.channels = vec![ChannelGroup::Beauty];
-                change(&mut shot);
-                spoil(&mut shot);
-                drawn(shot, frame, device.clone())
+                let mut prepared = self.prepared.lock().expect("no other test fails at it");
+                if prepared.is_none() {
+                    *prepared = Some(PreparedShot::new(small(scene, change))?);
+                }
+                drawn(prepared.as_mut().expect("it was set"), frame, device)
             }
             What::Plate(filter) => Ok(warped(filter)),
             What::Map => Ok(map()),
         }
     }
+
+    /// The same by the CPU, with another change of the shot after its own.
+    pub(crate) fn spoiled(&self, spoil: fn(&mut Shot)) -> Frame {
+        let What::Shot { scene, frame, change } = self.what else { panic!("{} has no shot", self.name) };
+        let mut shot = small(scene, change);
+        spoil(&mut shot);
+        let mut prepared = PreparedShot::new(shot).expect("the shot is right");
+        drawn(&mut prepared, frame, DeviceChoice::Cpu).expect("it is drawn")
+    }
+}
+
+/// A scene's shot, small and changed.
+fn small(scene: &str, change: fn(&mut Shot)) -> Shot {
+    let mut shot = Shot::read(&scenes().join(scene).join("shot.toml")).expect("the scene's shot is right");
+    let columns = (shot.size.aspect() * f64::from(HEIGHT)).round();
+    shot.size = FrameSize::new(columns as u32, HEIGHT);
+    shot.samples = 4;
+    shot.output.channels = vec![ChannelGroup::Beauty];
+    change(&mut shot);
+    shot
 }
 
 fn scenes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
 }
 
-fn drawn(mut shot: Shot, frame: i32, device: DeviceChoice) -> Result<Frame, PipelineError> {
+fn drawn(prepared: &mut PreparedShot, frame: i32, device: DeviceChoice) -> Result<Frame, PipelineError> {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    shot.output.path = folder.path().join("frame.####.exr");
+    prepared.shot.output.path = folder.path().join("frame.####.exr");
     let existing = Existing::Refuse;
     let options = RenderOptions { frames: vec![frame], device, existing, ..RenderOptions::default() };
-    let summary = render(&PreparedShot::new(shot)?, &options, &AtomicBool::new(false), &|_| {})?;
+    let summary = render(prepared, &options, &AtomicBool::new(false), &|_| {})?;
     assert_eq!((summary.rendered, summary.failed), (1, 0));
     Ok(read_exr(&folder.path().join(format!("frame.{frame:04}.exr"))).expect("the frame is readable"))
 }
@@ -179,9 +194,15 @@ fn open_shutter(shot: &mut Shot) {
     shot.samples = 16;
 }
 
-/// All cases.
-pub(crate) fn cases() -> Vec<Case> {
-    let shot = |name, scene, frame, change| Case { name, what: What::Shot { scene, frame, change } };
+/// All cases, for all tests.
+pub(crate) fn cases() -> &'static [Case] {
+    static CASES: LazyLock<Vec<Case>> = LazyLock::new(make_cases);
+    &CASES
+}
+
+fn make_cases() -> Vec<Case> {
+    let case = |name, what| Case { name, what, prepared: Mutex::new(None) };
+    let shot = |name, scene, frame, change| case(name, What::Shot { scene, frame, change });
     vec![
         shot("teapot.0001", "teapot", 1, as_it_is),
         shot("teapot.0012", "teapot", 12, as_it_is),
@@ -215,10 +236,10 @@ pub(crate) fn cases() -> Vec<Case> {
         shot("cat.0008", "cat", 8, as_it_is),
         shot("cat.0012", "cat", 12, as_it_is),
         shot("puppet.0011", "puppet", 11, as_it_is),
-        Case { name: "plate.ewa", what: What::Plate(Filter::Ewa) },
-        Case { name: "plate.cubic", what: What::Plate(Filter::Cubic) },
-        Case { name: "plate.lanczos", what: What::Plate(Filter::Lanczos) },
-        Case { name: "plate.nearest", what: What::Plate(Filter::Nearest) },
-        Case { name: "plate.stmap", what: What::Map },
+        case("plate.ewa", What::Plate(Filter::Ewa)),
+        case("plate.cubic", What::Plate(Filter::Cubic)),
+        case("plate.lanczos", What::Plate(Filter::Lanczos)),
+        case("plate.nearest", What::Plate(Filter::Nearest)),
+        case("plate.stmap", What::Map),
     ]
 }

@@ -45,8 +45,8 @@ fn pictures_are_as_they_were() {
     let all = cases();
     assert!(all.len() >= 25, "{} cases", all.len());
     let mut faults = Vec::new();
-    for case in &all {
-        let drawn = case.draw(&DeviceChoice::Cpu).unwrap_or_else(|error| panic!("{}: {error}", case.name));
+    for case in all {
+        let drawn = case.draw(DeviceChoice::Cpu).unwrap_or_else(|error| panic!("{}: {error}", case.name));
         if is_update() {
             write_plate(&stored(case.name), &Plate::from_frame(drawn)).expect("the folder can be written to");
         } else {
@@ -60,7 +60,7 @@ fn pictures_are_as_they_were() {
 fn a_driver_draws_the_same_pictures() {
     let mut faults = Vec::new();
     for case in cases().iter().filter(|case| case.is_drawn()) {
-        match case.draw(&DeviceChoice::Named("0".into())) {
+        match case.draw(DeviceChoice::Named("0".into())) {
             Ok(drawn) => faults.extend(fault(case, &drawn, Backend::Vulkan)),
             Err(PipelineError::Raster(RasterError::NoDevice { .. } | RasterError::UnknownDevice { .. }))
                 if !is_required() =>
@@ -95,9 +95,8 @@ fn every_stored_picture_has_a_case_and_is_small() {
 /// A picture drawn from one pin pulled a 25th of the frame too far must not pass for the stored one, on any backend.
 #[test]
 fn a_wrong_pose_is_noticed() {
-    let all = cases();
-    let case = all.iter().find(|case| case.name == "teapot.0012").expect("a case");
-    let drawn = case.draw_with(&DeviceChoice::Cpu, cases::pull_too_far).expect("the shot is right");
+    let case = cases().iter().find(|case| case.name == "teapot.0012").expect("a case");
+    let drawn = case.spoiled(cases::pull_too_far);
     let expected = read_exr(&stored(case.name)).expect("it is stored");
     for backend in [Backend::Cpu, Backend::Vulkan] {
         assert!(!limits::faults(&drawn, &expected, backend).is_empty(), "{backend:?} does not see it");

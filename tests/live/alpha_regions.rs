@@ -75,11 +75,13 @@ fn growth(sides: [f64; 4]) -> [f64; 4] {
 fn needed(controls: &Controls, alpha: &[f32]) -> [f64; 4] {
     let coverage = Coverage { window: FRAME.window(), alpha };
     let warp = warp(controls, &ShapeSource::Coverage(coverage), FRAME).expect("solves");
+    let is_covered = |x: usize, y: usize| x < 320 && y < 180 && alpha[y * 320 + x] > 0.0;
     let mut sides = [0.0_f64, 0.0, 320.0, 180.0];
-    for (index, _) in alpha.iter().enumerate().filter(|(_, alpha)| **alpha > 0.0) {
-        let [x, y] = centre(index);
-        for corner in [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]] {
-            let moved = warp.field.carry(at([x + corner[0], y + corner[1]])).0;
+    // Corners of pixels, of which each is one of up to four.
+    for [x, y] in (0..=180_usize).flat_map(|y| (0..=320_usize).map(move |x| [x, y])) {
+        let pixels = [[x, y], [x.wrapping_sub(1), y], [x, y.wrapping_sub(1)], [x.wrapping_sub(1), y.wrapping_sub(1)]];
+        if pixels.into_iter().any(|[x, y]| is_covered(x, y)) {
+            let moved = warp.field.carry(at([x as f64, y as f64])).0;
             let [x, y] = [moved.x * 180.0, 180.0 - moved.y * 180.0];
             sides = [sides[0].min(x), sides[1].min(y), sides[2].max(x), sides[3].max(y)];
         }

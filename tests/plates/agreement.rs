@@ -13,6 +13,7 @@ use pinwarp::raster::{ChannelGroup, DeviceChoice};
 use pinwarp::shot::{Shot, Unmatted};
 use pinwarp::space::FrameSize;
 use std::path::Path;
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
@@ -51,13 +52,60 @@ pub(super) fn still(shot: &Shot) -> Shot {
     still
 }
 
-pub(super) fn rendered(mut shot: Shot, folder: &Path) -> Vec<Frame> {
-    shot.output.path = folder.join("f.####.exr");
-    let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
+pub(super) fn prepared(shot: Shot) -> PreparedShot {
+    PreparedShot::new(shot).expect("the scene fits the shot")
+}
+
+pub(super) fn rendered(shot: Shot, folder: &Path) -> Vec<Frame> {
+    rendered_of(&mut prepared(shot), folder)
+}
+
+fn rendered_of(prepared: &mut PreparedShot, folder: &Path) -> Vec<Frame> {
+    prepared.shot.output.path = folder.join("f.####.exr");
     let options = RenderOptions { frames: FRAMES.into(), device: DeviceChoice::Cpu, ..RenderOptions::default() };
-    let summary = render(&prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
+    let summary = render(prepared, &options, &AtomicBool::new(false), &|_| {}).expect("rendered");
     assert_eq!(summary.failed, 0);
     frames(folder, "f")
+}
+
+/// The files and pictures of a shot.
+pub(super) struct Rendered {
+    files: Vec<Vec<u8>>,
+    pub(super) frames: Vec<Frame>,
+}
+
+impl Rendered {
+    fn of(prepared: &mut PreparedShot) -> Self {
+        let folder = TempDir::new().expect("a folder");
+        let frames = rendered_of(prepared, folder.path());
+        let file = |frame: &i32| std::fs::read(folder.path().join(format!("f.{frame:04}.exr"))).expect("a frame");
+        Self { files: FRAMES.iter().map(file).collect(), frames }
+    }
+
+    /// A folder with the files.
+    pub(super) fn folder(&self) -> TempDir {
+        let folder = TempDir::new().expect("a folder");
+        for (frame, file) in FRAMES.iter().zip(&self.files) {
+            std::fs::write(folder.path().join(format!("f.{frame:04}.exr")), file).expect("written");
+        }
+        folder
+    }
+}
+
+/// A shot, solved and rendered once, and its scene at rest; also for several tests.
+pub(super) struct Pair {
+    pub(super) shot: PreparedShot,
+    pub(super) still: Rendered,
+    pub(super) moved: Rendered,
+}
+
+impl Pair {
+    pub(super) fn of(shot: Shot) -> Self {
+        let still = Rendered::of(&mut prepared(still(&shot)));
+        let mut shot = prepared(shot);
+        let moved = Rendered::of(&mut shot);
+        Self { shot, still, moved }
+    }
 }
 
 pub(super) fn frames(folder: &Path, name: &str) -> Vec<Frame> {
@@ -66,14 +114,13 @@ pub(super) fn frames(folder: &Path, name: &str) -> Vec<Frame> {
 }
 
 /// The plates of a folder, warped by a shot.
-pub(super) fn warped(shot: Shot, holes: Holes, folder: &Path) -> Vec<Frame> {
+pub(super) fn warped(prepared: &PreparedShot, holes: Holes, folder: &Path) -> Vec<Frame> {
     let settings =
         WarpSettings { motion: Some(MotionEncoding { pixels_per_unit: [1.0; 2] }), holes, ..WarpSettings::default() };
-    let prepared = PreparedShot::new(shot).expect("the scene fits the shot");
     let job = WarpJob {
         plate: folder.join("f.####.exr"),
         output: folder.join("w.####.exr"),
-        warp: PlateWarp::Shot(&prepared),
+        warp: PlateWarp::Shot(prepared),
         settings,
         direction: WarpDirection::Forward,
         layers: Vec::new(),
@@ -143,20 +190,24 @@ fn compare(plate: &Frame, geometry: &Frame) -> Result<String, String> {
 }
 
 /// What is compared: everything warped by one layer, or one thing of several.
-fn check(shot: &Shot, holes: &Holes) -> Vec<Result<String, String>> {
-    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(shot), plates.path());
-    let warped = warped(shot.clone(), holes.clone(), plates.path());
-    warped.iter().zip(&expected).map(|(plate, geometry)| compare(plate, geometry)).collect()
+fn check(shot: &PreparedShot, pair: &Pair, holes: Holes) -> Vec<Result<String, String>> {
+    let warped = warped(shot, holes, pair.still.folder().path());
+    warped.iter().zip(&pair.moved.frames).map(|(plate, geometry)| compare(plate, geometry)).collect()
 }
 
-#[test]
-fn a_whole_scene_warped_as_a_picture_is_the_scene_warped() {
+/// The teapot in a layer that takes everything.
+fn whole_scene() -> Shot {
     let mut shot = teapot();
     shot.layers[0].nodes.clear();
     shot.layers[0].matte = Some(Matte::Alpha);
-    for outcome in check(&shot, &Holes::Leave) {
+    shot
+}
+
+static WHOLE_SCENE: LazyLock<Pair> = LazyLock::new(|| Pair::of(whole_scene()));
+
+#[test]
+fn a_whole_scene_warped_as_a_picture_is_the_scene_warped() {
+    for outcome in check(&WHOLE_SCENE.shot, &WHOLE_SCENE, Holes::Leave) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
 }
@@ -168,7 +219,8 @@ const TEAPOT: u32 = 1;
 fn a_matted_thing_and_the_scene_behind_it_agree_too() {
     let mut shot = teapot();
     shot.layers[0].matte = Some(Matte::Id { channel: "id.layer".into(), values: vec![TEAPOT] });
-    for outcome in check(&shot, &Holes::Geometry) {
+    let pair = Pair::of(shot);
+    for outcome in check(&pair.shot, &pair, Holes::Geometry) {
         eprintln!("{}", outcome.unwrap_or_else(|said| panic!("{said}")));
     }
 }
@@ -193,36 +245,25 @@ fn pixels_off(plate: &Frame, geometry: &Frame) -> usize {
 
 #[test]
 fn layers_without_mattes_move_their_own_nodes_only() {
-    let geometry = TempDir::new().expect("a folder");
-    let expected = rendered(walker(), geometry.path());
-    let off = |with_names: bool, unmatted: Unmatted| -> usize {
-        let plates = TempDir::new().expect("a folder");
-        let mut plate = still(&walker());
-        if with_names {
-            plate.output.channels.push(ChannelGroup::Cryptomatte);
-        }
-        rendered(plate, plates.path());
-        let mut shot = walker();
-        shot.layers.iter_mut().for_each(|layer| layer.unmatted = unmatted);
-        let warped = warped(shot, Holes::Geometry, plates.path());
-        let off = warped.iter().zip(&expected).map(|(plate, geometry)| pixels_off(plate, geometry));
-        off.inspect(|off| eprintln!("{unmatted:?}, names {with_names}: {off} pixels off")).max().expect("frames")
+    let Pair { mut shot, still: plain, moved } = Pair::of(walker());
+    let mut with_names = still(&walker());
+    with_names.output.channels.push(ChannelGroup::Cryptomatte);
+    let named = Rendered::of(&mut prepared(with_names));
+    let mut off = |plates: &Rendered, unmatted: Unmatted| -> usize {
+        shot.shot.layers.iter_mut().for_each(|layer| layer.unmatted = unmatted);
+        let warped = warped(&shot, Holes::Geometry, plates.folder().path());
+        let off = warped.iter().zip(&moved.frames).map(|(plate, geometry)| pixels_off(plate, geometry));
+        off.inspect(|off| eprintln!("{unmatted:?}: {off} pixels off")).max().expect("frames")
     };
     // 57600 pixels: what differs are edges, where samples of raster and filter fall differently.
-    assert!(off(false, Unmatted::OwnNodes) < 400, "drawn from the scene");
-    assert!(off(true, Unmatted::OwnNodes) < 400, "named by the plate's Cryptomatte");
-    assert!(off(false, Unmatted::Picture) > 2000, "each layer bends the meadow and the others");
+    assert!(off(&plain, Unmatted::OwnNodes) < 400, "drawn from the scene");
+    assert!(off(&named, Unmatted::OwnNodes) < 400, "named by the plate's Cryptomatte");
+    assert!(off(&plain, Unmatted::Picture) > 2000, "each layer bends the meadow and the others");
 }
 
 #[test]
 fn a_warp_that_is_a_little_too_weak_is_found() {
-    let mut shot = teapot();
-    shot.layers[0].nodes.clear();
-    shot.layers[0].matte = Some(Matte::Alpha);
-    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(&shot), plates.path());
+    let mut shot = whole_scene();
     shot.layers[0].strength = 0.97;
-    let warped = warped(shot, Holes::Leave, plates.path());
-    assert!(compare(&warped[1], &expected[1]).is_err(), "3 % of the way are a pixel and a half");
+    assert!(check(&prepared(shot), &WHOLE_SCENE, Holes::Leave)[1].is_err(), "3 % of the way are a pixel and a half");
 }

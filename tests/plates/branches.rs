@@ -1,6 +1,6 @@
 //! Lattices that branch over finished frames: a plate of the unwarped model, warped, shows what the same shot renders.
 
-use super::agreement::{FRAMES, at, frames, rendered, still, warped};
+use super::agreement::{FRAMES, Pair, at, frames, prepared, warped};
 use super::assets::asset;
 use pinwarp::export::LatticeFile;
 use pinwarp::image::{Durability, Frame};
@@ -10,10 +10,10 @@ use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
 use pinwarp::solve::Topology;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
-use tempfile::TempDir;
 
 /// What a plate and the geometry show differently.
 #[derive(Debug, Default, PartialEq)]
@@ -56,28 +56,32 @@ pub(super) fn apart(plate: &Frame, geometry: &Frame) -> Apart {
 }
 
 /// What differs in each frame.
-pub(super) fn check(shot: &Shot) -> Vec<Apart> {
-    let [geometry, plates] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(shot), plates.path());
-    let warped = warped(shot.clone(), Holes::Leave, plates.path());
-    let found: Vec<Apart> = warped.iter().zip(&expected).map(|(plate, geometry)| apart(plate, geometry)).collect();
+pub(super) fn check(shot: &PreparedShot, pair: &Pair) -> Vec<Apart> {
+    let warped = warped(shot, Holes::Leave, pair.still.folder().path());
+    let both = warped.iter().zip(&pair.moved.frames);
+    let found: Vec<Apart> = both.map(|(plate, geometry)| apart(plate, geometry)).collect();
     FRAMES.iter().zip(&found).for_each(|(frame, apart)| println!("frame {frame}: {apart:?}"));
     found
 }
 
+/// The drawn girl that comes with the program.
+static PUPPET: LazyLock<Pair> = LazyLock::new(|| Pair::of(puppet()));
+
+fn puppet_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml")
+}
+
+fn puppet() -> Shot {
+    Shot::read(&puppet_path()).expect("a right shot")
+}
+
 #[test]
 fn a_drawing_as_a_plate_goes_where_the_drawing_goes() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml");
-    let mut shot = Shot::read(&path).expect("a right shot");
-    let branching = check(&shot);
+    let branching = check(&PUPPET.shot, &PUPPET);
     assert!(branching.iter().all(|apart| apart.covered > 100_000 && apart.holes + apart.off < 100), "{branching:?}");
-    let [plates, geometry] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(&shot), plates.path());
+    let mut shot = puppet();
     shot.layers[0].settings.topology = Topology::Plain;
-    let plain = warped(shot, Holes::Leave, plates.path());
-    let plain = apart(&plain[0], &expected[0]);
+    let plain = check(&prepared(shot), &PUPPET).remove(0);
     assert!(plain.holes + plain.off > 2000, "another warp is found: {plain:?}");
 }
 
@@ -103,13 +107,9 @@ pub(super) fn warped_by(warp: PlateWarp, folder: &Path) -> Vec<Frame> {
 
 #[test]
 fn lattice_files_and_maps_carry_branches() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml");
-    let shot = Shot::read(&path).expect("a right shot");
-    let [plates, geometry] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot.clone(), geometry.path());
-    rendered(still(&shot), plates.path());
-    let prepared = PreparedShot::new(shot).expect("the picture is there");
-    let file = lattices(&prepared, &FRAMES, |_| ()).expect("solvable");
+    let (pair, path) = (&*PUPPET, puppet_path());
+    let plates = pair.still.folder();
+    let file = lattices(&pair.shot, &FRAMES, |_| ()).expect("solvable");
     let [written, finer] = ["a.json", "b.json"].map(|name| plates.path().join(name));
     file.write(&written).expect("written");
     assert_eq!(LatticeFile::read(&written).expect("read"), file);
@@ -128,7 +128,8 @@ fn lattice_files_and_maps_carry_branches() {
     let cases = [("file", of_file(file), 200), ("finer", of_file(finer), 200), ("maps", PlateWarp::Maps(maps), 1500)];
     for (name, warp, most) in cases {
         let warped = warped_by(warp, plates.path());
-        let found: Vec<Apart> = warped.iter().zip(&expected).map(|(plate, geometry)| apart(plate, geometry)).collect();
+        let both = warped.iter().zip(&pair.moved.frames);
+        let found: Vec<Apart> = both.map(|(plate, geometry)| apart(plate, geometry)).collect();
         println!("{name}: {found:?}");
         assert!(found.iter().all(|apart| apart.holes + apart.off < most), "{name}: {found:?}");
     }
@@ -158,8 +159,8 @@ fn walking_fox(angle: f64) -> Option<Shot> {
 
 #[test]
 fn legs_that_cross_in_a_plate_move_by_themselves() {
-    let Some(shot) = walking_fox(0.0) else { return };
-    let found = check(&shot);
+    let Some(pair) = walking_fox(0.0).map(Pair::of) else { return };
+    let found = check(&pair.shot, &pair);
     // What one leg hid of the other is not in the plate.
     assert!(found.iter().all(|apart| apart.covered > 40_000 && apart.holes < 1500), "{found:?}");
     // Outlines are softened twice.
@@ -169,7 +170,7 @@ fn legs_that_cross_in_a_plate_move_by_themselves() {
 
 #[test]
 fn blurred_edges_of_branches_keep_their_share() {
-    let Some(shot) = walking_fox(180.0) else { return };
-    let found = check(&shot);
+    let Some(pair) = walking_fox(180.0).map(Pair::of) else { return };
+    let found = check(&pair.shot, &pair);
     assert!(found.iter().all(|apart| apart.holes < 2000 && apart.off < 6000), "{found:?}");
 }

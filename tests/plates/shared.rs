@@ -1,14 +1,14 @@
 //! Layers that share one mesh (`select`) over finished frames: a plate of the unwarped model, warped, shows what the
 //! same shot renders, where the layers meet too.
 
-use super::agreement::{rendered, still};
+use super::agreement::Pair;
 use super::assets::asset;
 use super::branches::{Apart, apart, check, warped_by};
 use pinwarp::pipeline::PlateWarp;
 use pinwarp::shot::Shot;
 use std::path::Path;
 use std::process::Command;
-use tempfile::TempDir;
+use std::sync::OnceLock;
 
 /// A fox whose head is pulled up and whose tail is pulled down; the body between them does not move.
 fn fox() -> Option<String> {
@@ -33,10 +33,18 @@ fn shot(text: &str) -> Shot {
     Shot::parse(text, Path::new("/fox.toml")).expect("a right shot")
 }
 
+/// The same with its plates.
+fn fox_with_plates() -> Option<(String, &'static Pair)> {
+    static PAIR: OnceLock<Pair> = OnceLock::new();
+    let text = fox()?;
+    let pair = PAIR.get_or_init(|| Pair::of(shot(&text)));
+    Some((text, pair))
+}
+
 #[test]
 fn a_plate_bends_where_layers_of_one_mesh_meet() {
-    let Some(text) = fox() else { return };
-    let found = check(&shot(&text));
+    let Some((_, pair)) = fox_with_plates() else { return };
+    let found = check(&pair.shot, pair);
     assert!(found.iter().all(|apart| apart.covered > 10_000), "{found:?}");
     assert!(found.iter().all(|apart| apart.holes < 250 && apart.seams < 10 && apart.off < 700), "{found:?}");
     assert!(found.iter().all(|apart| apart.vectors < apart.covered / 50), "{found:?}");
@@ -44,10 +52,8 @@ fn a_plate_bends_where_layers_of_one_mesh_meet() {
 
 #[test]
 fn an_stmap_bends_where_layers_of_one_mesh_meet() {
-    let Some(text) = fox() else { return };
-    let [plates, geometry] = [(); 2].map(|()| TempDir::new().expect("a folder"));
-    let expected = rendered(shot(&text), geometry.path());
-    rendered(still(&shot(&text)), plates.path());
+    let Some((text, pair)) = fox_with_plates() else { return };
+    let (plates, expected) = (pair.still.folder(), &pair.moved.frames);
     let written = plates.path().join("shot.toml");
     std::fs::write(&written, &text).expect("written");
     let export = |words: &[&str]| {
@@ -59,7 +65,7 @@ fn an_stmap_bends_where_layers_of_one_mesh_meet() {
     };
     export(&["-o", "m.####.exr"]);
     let mapped = warped_by(PlateWarp::Maps(plates.path().join("m.####.exr")), plates.path());
-    let found: Vec<Apart> = mapped.iter().zip(&expected).map(|(plate, geometry)| apart(plate, geometry)).collect();
+    let found: Vec<Apart> = mapped.iter().zip(expected).map(|(plate, geometry)| apart(plate, geometry)).collect();
     println!("{found:?}");
     assert!(found.iter().all(|apart| apart.holes < 250 && apart.seams < 10 && apart.off < 700), "{found:?}");
     // The map of one layer alone cannot know the others.
@@ -71,9 +77,8 @@ fn an_stmap_bends_where_layers_of_one_mesh_meet() {
 
 #[test]
 fn the_inverse_map_brings_surfaces_back() {
-    let Some(text) = fox() else { return };
-    let plates = TempDir::new().expect("a folder");
-    let warped_frames = rendered(shot(&text), plates.path());
+    let Some((text, pair)) = fox_with_plates() else { return };
+    let plates = pair.moved.folder();
     let written = plates.path().join("shot.toml");
     std::fs::write(&written, &text).expect("written");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pinwarp"));
@@ -81,11 +86,10 @@ fn the_inverse_map_brings_surfaces_back() {
     let done = command.args(words).current_dir(plates.path()).output().expect("it runs");
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let back = warped_by(PlateWarp::Maps(plates.path().join("i.####.exr")), plates.path());
-    let unwarped = TempDir::new().expect("a folder");
-    let expected = rendered(still(&shot(&text)), unwarped.path());
+    let expected = &pair.still.frames;
     let found = apart(&back[0], &expected[0]);
     println!("{found:?}");
     assert!(found.holes < 700 && found.off < 900, "{found:?}");
-    let unmapped = apart(&warped_frames[0], &expected[0]);
+    let unmapped = apart(&pair.moved.frames[0], &expected[0]);
     assert!(unmapped.holes + unmapped.off > 2000, "the warp moves pixels: {unmapped:?}");
 }

@@ -1,6 +1,6 @@
 //! A figure that moves before a wall and behind a box: the scene, its plates, and what a warped plate shows wrongly.
 
-use super::agreement::{FRAMES, at, frames, rendered, still, warped};
+use super::agreement::{FRAMES, at, frames, prepared, rendered, still, warped};
 use super::tiny::{Lens, Part, Tiny, grid};
 use pinwarp::image::{Frame, read_plate, write_plate};
 use pinwarp::plate::Holes;
@@ -101,7 +101,7 @@ impl Stage {
     /// Warps the plates and counts what differs from the renders.
     pub(super) fn compared(&self, holes: Holes, name: &str) -> Vec<Wrong> {
         let (plates, real) = self.plates();
-        let made = warped(self.moving(), holes, &plates);
+        let made = warped(&prepared(self.moving()), holes, &plates);
         let rest = frames(&plates, "f");
         let compare = |((made, real), rest): ((&Frame, &Frame), &Frame)| Wrong::of(made, real, rest);
         let found: Vec<Wrong> = made.iter().zip(&real).zip(&rest).map(compare).collect();

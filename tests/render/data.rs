@@ -3,11 +3,12 @@
 
 use crate::assets::asset;
 use crate::support::{Studio, at, pixels};
-use pinwarp::image::Frame;
 use pinwarp::image::cryptomatte::MatteId;
+use pinwarp::image::{Frame, read_exr};
 use pinwarp::pipeline::PreparedShot;
+use pinwarp::raster::cpu::CpuRaster;
 use pinwarp::raster::vulkan::VulkanRaster;
-use pinwarp::raster::{ChannelGroup, DeviceChoice, RasterError};
+use pinwarp::raster::{ChannelGroup, DeviceChoice, Raster, RasterError};
 use pinwarp::shot::{Shot, Shutter};
 use pinwarp::space::FrameSize;
 use std::path::Path;
@@ -54,27 +55,44 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// The frame of a case with so many samples, on the CPU.
-fn drawn(case: &Case, samples: u32, channels: &[ChannelGroup]) -> Frame {
-    let mut studio = Studio::of_shot(case.shot.clone());
-    (studio.shot.samples, studio.shot.output.channels) = (samples, channels.to_vec());
-    studio.frame(case.frame)
+/// A case that is prepared, and a device that draws it.
+struct Easel<R> {
+    studio: Studio,
+    prepared: PreparedShot,
+    device: R,
 }
 
-/// The same on a Vulkan device; `None`: there is none, said so.
-fn drawn_by_vulkan(case: &Case, samples: u32, channels: &[ChannelGroup]) -> Option<Frame> {
-    let mut studio = Studio::of_shot(case.shot.clone());
-    (studio.shot.samples, studio.shot.output.channels) = (samples, channels.to_vec());
-    match VulkanRaster::open(&DeviceChoice::Vulkan, &studio.prepared().scene) {
+impl<R: Raster> Easel<R> {
+    /// `None` if `open` finds no device.
+    fn new(case: &Case, open: impl FnOnce(&PreparedShot) -> Option<R>) -> Option<Self> {
+        let studio = Studio::of_shot(case.shot.clone());
+        let prepared = studio.prepared();
+        let device = open(&prepared)?;
+        Some(Self { studio, prepared, device })
+    }
+
+    /// A frame of the case with so many samples.
+    fn draw(&mut self, frame: i32, samples: u32, channels: &[ChannelGroup]) -> Frame {
+        let shot = &mut self.prepared.shot;
+        (shot.samples, shot.output.channels) = (samples, channels.to_vec());
+        let files = self.studio.files_on(&mut self.device, &mut self.prepared, &[frame]);
+        read_exr(&files[0]).expect("the frame is readable")
+    }
+}
+
+fn cpu(case: &Case) -> Easel<CpuRaster> {
+    Easel::new(case, |prepared| Some(CpuRaster::new(&prepared.scene))).expect("there always is a CPU")
+}
+
+/// `None`: there is no Vulkan device, said so.
+fn vulkan(case: &Case) -> Option<Easel<VulkanRaster>> {
+    Easel::new(case, |prepared| match VulkanRaster::open(&DeviceChoice::Vulkan, &prepared.scene) {
         Err(error @ RasterError::NoDevice { .. }) if std::env::var_os("PINWARP_REQUIRE_VULKAN").is_none() => {
             eprintln!("SKIPPED: {error}");
-            return None;
+            None
         }
-        opened => drop(opened.expect("a device")),
-    }
-    let open = |prepared: &PreparedShot| VulkanRaster::open(&DeviceChoice::Vulkan, &prepared.scene).expect("a device");
-    let (files, _) = studio.files_by(&[case.frame], open);
-    Some(pinwarp::image::read_exr(&files[0]).expect("the frame is readable"))
+        opened => Some(opened.expect("a device")),
+    })
 }
 
 fn data_names() -> impl Iterator<Item = &'static str> {
@@ -94,12 +112,13 @@ fn differences(one: &Frame, other: &Frame, part: f32) -> (usize, Vec<(i32, i32)>
 }
 
 /// Every number of samples draws the data of one sample.
-fn assert_samples_do_not_matter(part: f32, draw: impl Fn(&Case, u32, &[ChannelGroup]) -> Option<Frame>) {
+fn assert_samples_do_not_matter<R: Raster>(part: f32, easel: impl Fn(&Case) -> Option<Easel<R>>) {
     for case in cases() {
         let channels = [&[ChannelGroup::Beauty][..], &DATA].concat();
-        let Some(one) = draw(&case, 1, &channels) else { return };
+        let Some(mut easel) = easel(&case) else { return };
+        let one = easel.draw(case.frame, 1, &channels);
         for samples in [4, 11, 16] {
-            let Some(several) = draw(&case, samples, &channels) else { return };
+            let several = easel.draw(case.frame, samples, &channels);
             let (covered, different) = differences(&one, &several, part);
             assert!(covered > 200, "{}: {covered} pixels", case.name);
             assert!(different.is_empty(), "{}, {samples} samples: {different:?}", case.name);
@@ -109,34 +128,35 @@ fn assert_samples_do_not_matter(part: f32, draw: impl Fn(&Case, u32, &[ChannelGr
 
 #[test]
 fn data_are_the_same_bits_for_every_number_of_samples() {
-    assert_samples_do_not_matter(0.0, |case, samples, channels| Some(drawn(case, samples, channels)));
+    assert_samples_do_not_matter(0.0, |case| Some(cpu(case)));
 }
 
 #[test]
 fn data_of_a_device_are_the_same_for_every_number_of_samples() {
     // Shaders of colour with data and of data alone may round apart.
-    assert_samples_do_not_matter(1e-5, drawn_by_vulkan);
+    assert_samples_do_not_matter(1e-5, vulkan);
 }
 
 #[test]
 fn data_of_another_time_are_distinguished() {
     let all = cases();
     let case = all.iter().find(|case| case.name.starts_with("walker")).expect("a case");
-    let other = Case { frame: case.frame + 1, name: case.name.clone(), shot: case.shot.clone() };
-    let (_, different) = differences(&drawn(case, 1, &DATA), &drawn(&other, 1, &DATA), 0.0);
+    let mut easel = cpu(case);
+    let [one, other] = [case.frame, case.frame + 1].map(|frame| easel.draw(frame, 1, &DATA));
+    let (_, different) = differences(&one, &other, 0.0);
     assert!(different.len() > 100, "{}", different.len());
 }
 
 #[test]
 fn ids_are_the_first_rank_of_the_cryptomatte_inside_shapes() {
     for case in cases() {
-        let frame = drawn(&case, 16, &[ChannelGroup::Beauty, ChannelGroup::Id, ChannelGroup::Cryptomatte]);
-        let prepared = PreparedShot::new(case.shot.clone()).expect("a right shot");
+        let mut easel = cpu(&case);
+        let frame = easel.draw(case.frame, 16, &[ChannelGroup::Beauty, ChannelGroup::Id, ChannelGroup::Cryptomatte]);
         let mut inside = 0;
         for (x, y) in pixels(&frame).filter(|&(x, y)| at(&frame, "CryptoObject00.G", x, y) > 0.999) {
             let object = at(&frame, "id.object", x, y);
             assert!(object >= 1.0, "{}: no id at {x}, {y}", case.name);
-            let name = &prepared.scene.nodes[object as usize - 1].name;
+            let name = &easel.prepared.scene.nodes[object as usize - 1].name;
             let first = MatteId::from_sample(at(&frame, "CryptoObject00.R", x, y));
             assert_eq!(MatteId::of_name(name), first, "{}: '{name}' at {x}, {y}", case.name);
             inside += 1;
@@ -149,8 +169,8 @@ fn ids_are_the_first_rank_of_the_cryptomatte_inside_shapes() {
 #[test]
 fn cpu_and_device_draw_the_same_data() {
     for case in cases() {
-        let cpu = drawn(&case, 4, &DATA);
-        let Some(device) = drawn_by_vulkan(&case, 4, &DATA) else { return };
+        let Some(mut device) = vulkan(&case) else { return };
+        let [cpu, device] = [cpu(&case).draw(case.frame, 4, &DATA), device.draw(case.frame, 4, &DATA)];
         let (covered, different) = differences(&cpu, &device, 2e-3);
         eprintln!("{}: {} of {covered} pixels differ: {different:?}", case.name, different.len());
         // Where two surfaces cross or touch, rounding of their z decides; edges are on one grid.

@@ -23,13 +23,13 @@ fn bytes(files: &[PathBuf]) -> Vec<Vec<u8>> {
 #[test]
 fn order_and_chunks_do_not_matter() {
     let studio = studio();
-    let once = bytes(&studio.files(&[10, 11, 12, 13, 14]));
-    assert!(bytes(&studio.files(&[10, 11, 12, 13, 14])) == once, "two runs");
-    let mut backwards = bytes(&studio.files(&[14, 13, 12, 11, 10]));
+    let once = bytes(&studio.files(&[10, 11, 12, 13]));
+    assert!(bytes(&studio.files(&[10, 11, 12, 13])) == once, "two runs");
+    let mut backwards = bytes(&studio.files(&[13, 12, 11, 10]));
     backwards.reverse();
     assert!(backwards == once, "backwards");
-    let chunks: Vec<_> = [&[12][..], &[10, 14], &[13, 11]].iter().map(|chunk| bytes(&studio.files(chunk))).collect();
-    let sorted = [&chunks[1][0], &chunks[2][1], &chunks[0][0], &chunks[2][0], &chunks[1][1]];
+    let chunks: Vec<_> = [&[12][..], &[13, 10], &[11]].iter().map(|chunk| bytes(&studio.files(chunk))).collect();
+    let sorted = [&chunks[1][1], &chunks[2][0], &chunks[0][0], &chunks[1][0]];
     assert!(sorted.into_iter().eq(&once), "chunks");
     assert!(once.windows(2).all(|pair| pair[0] != pair[1]), "frames differ, or nothing was compared");
 }

@@ -1,8 +1,8 @@
 //! Pins that are to move apart though too few cells lie between them are told, with what helps.
 
-use crate::support::Studio;
+use crate::support::{Studio, automatic_puppet};
 use crate::tiny::{Tiny, grid};
-use pinwarp::pipeline::report;
+use pinwarp::pipeline::{PreparedShot, report};
 
 /// What is said of two pins a fifteenth of the mesh from each other that go so far apart.
 fn told(dims: &str, apart: f64) -> Vec<String> {
@@ -43,22 +43,22 @@ fn pins_that_share_cells_are_reported_with_layer_pins_and_remedy() {
 }
 
 /// The same of the girl who raises her hand beside her skirt.
-fn told_of_puppet(dims: &str, topology: &str) -> Vec<String> {
-    let prepared = Studio::puppet(dims, topology).prepared();
-    let warnings = report(&prepared, 11, &prepared.mid_exposure(11).expect("it is solved")).warnings;
+fn told_of_puppet(prepared: &PreparedShot) -> Vec<String> {
+    let warnings = report(prepared, 11, &prepared.mid_exposure(11).expect("it is solved")).warnings;
     warnings.into_iter().filter(|text| text.contains("share cells")).collect()
 }
 
 #[test]
 fn pins_on_branches_that_share_their_handles_are_reported() {
-    let words = told_of_puppet("[10, 10]", "branching");
+    let puppet = |dims: &str, topology: &str| Studio::puppet(dims, topology).prepared();
+    let words = told_of_puppet(&puppet("[10, 10]", "branching"));
     assert_eq!(words.len(), 1, "{words:?}");
     assert!(words[0].starts_with("layer 'girl': pins 'right hand' and 'right hem' share cells"), "{words:?}");
     assert!(words[0].contains("(dims = [23, 23])") && words[0].contains("(dims = \"auto\")"), "{words:?}");
     assert!(!words[0].contains("topology"), "{words:?}");
-    for dims in ["[23, 23]", "\"auto\""] {
-        assert_eq!(told_of_puppet(dims, "branching"), [""; 0], "{dims}: the remedy helps");
+    for (dims, prepared) in [("23 x 23", &puppet("[23, 23]", "branching")), ("auto", automatic_puppet())] {
+        assert_eq!(told_of_puppet(prepared), [""; 0], "{dims}: the remedy helps");
     }
-    let plain = told_of_puppet("[10, 10]", "plain");
+    let plain = told_of_puppet(&puppet("[10, 10]", "plain"));
     assert!(plain.len() == 1 && plain[0].contains("topology = \"branching\""), "{plain:?}");
 }

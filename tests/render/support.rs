@@ -2,11 +2,12 @@
 
 use crate::tiny::Tiny;
 use pinwarp::image::{Frame, read_exr};
-use pinwarp::pipeline::{PreparedShot, RenderOptions, render, render_on};
+use pinwarp::pipeline::{PreparedShot, RenderOptions, Summary, render, render_on};
 use pinwarp::raster::{DeviceChoice, Raster};
 use pinwarp::shot::{Goal, Pin, Shot};
 use pinwarp::space::{FrameSize, ScreenVector};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
@@ -89,11 +90,14 @@ impl Studio {
 
     /// Renders on the CPU, set up anew; the files, in the order asked for.
     pub(crate) fn files(&self, frames: &[i32]) -> Vec<PathBuf> {
-        let (prepared, options) = self.job(frames);
-        let summary = render(&prepared, &options, &AtomicBool::new(false), &|_| {});
-        let summary = summary.expect("the shot is rendered");
-        assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
-        paths(&prepared, frames)
+        self.files_of(&mut self.prepared(), frames)
+    }
+
+    /// The same of the shot as it was prepared before.
+    fn files_of(&self, prepared: &mut PreparedShot, frames: &[i32]) -> Vec<PathBuf> {
+        let options = self.options(prepared, frames);
+        let summary = render(prepared, &options, &AtomicBool::new(false), &|_| {});
+        paths(prepared, frames, &summary.expect("the shot is rendered"))
     }
 
     /// The same on a device that is opened by the test.
@@ -102,12 +106,21 @@ impl Studio {
         frames: &[i32],
         open: impl FnOnce(&PreparedShot) -> R,
     ) -> (Vec<PathBuf>, R) {
-        let (prepared, options) = self.job(frames);
+        let mut prepared = self.prepared();
         let mut device = open(&prepared);
-        let summary = render_on(&mut device, &prepared, &options, &AtomicBool::new(false), &|_| {});
-        let summary = summary.expect("the shot is rendered");
-        assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
-        (paths(&prepared, frames), device)
+        (self.files_on(&mut device, &mut prepared, frames), device)
+    }
+
+    /// The same on a device that is open for what was prepared before.
+    pub(crate) fn files_on(
+        &self,
+        device: &mut dyn Raster,
+        prepared: &mut PreparedShot,
+        frames: &[i32],
+    ) -> Vec<PathBuf> {
+        let options = self.options(prepared, frames);
+        let summary = render_on(device, prepared, &options, &AtomicBool::new(false), &|_| {});
+        paths(prepared, frames, &summary.expect("the shot is rendered"))
     }
 
     pub(crate) fn frames(&self, frames: &[i32]) -> Vec<Frame> {
@@ -118,15 +131,28 @@ impl Studio {
         self.frames(&[frame]).remove(0)
     }
 
-    fn job(&self, frames: &[i32]) -> (PreparedShot, RenderOptions) {
-        let mut prepared = self.prepared();
+    /// A frame of the shot as it was prepared before.
+    pub(crate) fn frame_of(&self, prepared: &mut PreparedShot, frame: i32) -> Frame {
+        read_exr(&self.files_of(prepared, &[frame])[0]).expect("the frame is readable")
+    }
+
+    /// Options that render frames into a new folder.
+    fn options(&self, prepared: &mut PreparedShot, frames: &[i32]) -> RenderOptions {
         let folder = tempfile::tempdir_in(self.folder.path()).expect("a temporary folder").keep();
         prepared.shot.output.path = folder.join("f.####.exr");
-        (prepared, RenderOptions { frames: frames.to_vec(), device: DeviceChoice::Cpu, ..RenderOptions::default() })
+        RenderOptions { frames: frames.to_vec(), device: DeviceChoice::Cpu, ..RenderOptions::default() }
     }
 }
 
-fn paths(prepared: &PreparedShot, frames: &[i32]) -> Vec<PathBuf> {
+/// The drawn girl with automatic dims and branches, prepared once for all tests.
+pub(crate) fn automatic_puppet() -> &'static PreparedShot {
+    static PUPPET: OnceLock<PreparedShot> = OnceLock::new();
+    PUPPET.get_or_init(|| Studio::puppet("\"auto\"", "branching").prepared())
+}
+
+/// The files of frames, all of which were rendered.
+fn paths(prepared: &PreparedShot, frames: &[i32], summary: &Summary) -> Vec<PathBuf> {
+    assert_eq!((summary.rendered, summary.failed), (frames.len(), 0));
     frames.iter().map(|frame| prepared.shot.output.path.with_file_name(format!("f.{frame:04}.exr"))).collect()
 }
 

@@ -3,7 +3,7 @@
 use crate::support::{Studio, at, count_differences, is_interior, pixels};
 use crate::tiny::{Lens, Part, Tiny, grid};
 use glam::{DQuat, DVec3};
-use pinwarp::pipeline::{TimeSample, WorldSolution, report};
+use pinwarp::pipeline::{PreparedShot, TimeSample, WorldSolution, report};
 use pinwarp::space::{ScreenPoint, ScreenVector};
 
 const ALL: [&str; 9] = ["R", "G", "B", "A", "depth.Z", "N.X", "N.Y", "N.Z", "id.object"];
@@ -289,8 +289,7 @@ fn boards(topology: &str) -> Studio {
 
 #[test]
 fn parts_that_are_apart_in_the_scene_stay_apart() {
-    let moves = |topology: &str| {
-        let prepared = boards(topology).prepared();
+    let moves = |topology: &str, prepared: &PreparedShot| {
         let sample = prepared.sample_at(1.0).expect("solvable");
         let (rest, _) = prepared.view(1.0);
         let moves: Vec<f32> = rest
@@ -306,13 +305,15 @@ fn parts_that_are_apart_in_the_scene_stay_apart() {
         assert!(pin_errors.iter().all(|error| *error < 1e-6), "{topology}: {pin_errors:?}");
         (moves, solved(&sample).branches.is_some())
     };
-    let (plain, _) = moves("plain");
-    let (branching, has_branches) = moves("branching");
+    let (plain, _) = moves("plain", &boards("plain").prepared());
+    let studio = boards("branching");
+    let prepared = studio.prepared();
+    let (branching, has_branches) = moves("branching", &prepared);
     println!("left and right board move by {plain:?} m, branching by {branching:?} m");
     assert!(has_branches && branching[1] > 0.25, "the right board is pulled");
     assert!(branching[0] < 0.002 && plain[0] > 0.05, "{branching:?} against {plain:?}");
     let path = std::env::temp_dir().join("pinwarp-no-such-folder/boards.lattice.json");
-    let file = pinwarp::pipeline::lattices(&boards("branching").prepared(), &[1], |_| ()).expect("solvable");
+    let file = pinwarp::pipeline::lattices(&prepared, &[1], |_| ()).expect("solvable");
     let told = file.write(&path).expect_err("files do not hold branches in the scene").to_string();
     assert!(told.contains("branches in the scene") && told.contains("--to gltf"), "{told}");
 }

@@ -4,8 +4,10 @@
 //! Without it tests skip and say so; with `PINWARP_REQUIRE_PYTHON=1` they fail instead, but for modules that
 //! `PINWARP_PYTHON_WITHOUT` names (`bpy`).
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
 
 /// What a script prints, run with the modules it needs; `None`, and a loud line, where they are not there.
 ///
@@ -27,9 +29,18 @@ fn python_with(modules: &[&str]) -> Option<String> {
         eprintln!("SKIPPED: {module} is not at hand (PINWARP_PYTHON_WITHOUT)");
         return None;
     }
+    // Modules that were imported once need not be again: some take seconds.
+    static PRESENT: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let imports: String = modules.iter().map(|module| format!("import {module}\n")).collect();
+    let mut present = PRESENT.lock().unwrap_or_else(PoisonError::into_inner);
+    if present.contains(&imports) {
+        return Some(python);
+    }
     match start(&python, &imports, &[]) {
-        Ok(output) if output.status.success() => Some(python),
+        Ok(output) if output.status.success() => {
+            present.insert(imports);
+            Some(python)
+        }
         Ok(output) => absent(&String::from_utf8_lossy(&output.stderr)),
         Err(error) => absent(&format!("{python} does not start: {error}")),
     }
