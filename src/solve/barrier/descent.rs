@@ -92,7 +92,7 @@ impl<const D: usize> Minimization<'_, D> {
         for round in 0..=REFINEMENTS {
             let refined = (!finer.is_empty()).then(|| barrier.refined(&finer));
             let points = refined.as_ref().unwrap_or_else(|| barrier.points());
-            let first = match before.filter(|before| round == 0 && points.min_det(before) >= LAST) {
+            let first = match before.filter(|before| round == 0 && points.min_det(before, LAST) >= LAST) {
                 Some(before) => before.to_vec(),
                 None => {
                     let share = points.max_step(&self.start, &result.handles, FIRST);
