@@ -8,6 +8,7 @@ mod crossing;
 mod curvature;
 mod descent;
 mod hull;
+mod minimum;
 mod points;
 mod potential;
 mod reactions;

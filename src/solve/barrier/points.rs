@@ -97,14 +97,9 @@ impl<const D: usize> BarrierPoints<D> {
             .fold(wanted, |least, point| if point.det.is_nan() { f64::NEG_INFINITY } else { least.min(point.det) })
     }
 
-    /// Returns the points where det J is below [`ACTIVATION_DET`].
-    pub(super) fn penalised_points(&self, handles: &[[f64; D]]) -> Vec<PenalisedPoint<D>> {
-        self.points_below(handles, ACTIVATION_DET)
-    }
-
-    /// Returns the mean potential and the penalised points.
+    /// Returns the mean potential, and the points where det J is below [`ACTIVATION_DET`].
     pub(super) fn energy(&self, handles: &[[f64; D]]) -> (f64, Vec<PenalisedPoint<D>>) {
-        let penalised = self.penalised_points(handles);
+        let penalised = self.points_below(handles, ACTIVATION_DET);
         let sum: f64 = penalised.iter().map(|point| self.shares[point.place[0]] * potential(point.det)[0]).sum();
         (sum, penalised)
     }
