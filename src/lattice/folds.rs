@@ -307,7 +307,7 @@ fn min_of<const D: usize>(patch: BezierPolynomial<D>, wanted: f64) -> f64 {
 }
 
 /// Returns a lower bound of the determinant of a matrix with entries in the given ranges.
-fn rough_determinant<const D: usize>(slopes: &[[[f64; 2]; D]; D]) -> f64 {
+pub(crate) fn rough_determinant<const D: usize>(slopes: &[[[f64; 2]; D]; D]) -> f64 {
     let minor = |a: usize, b: usize| {
         let [first, second] = [&slopes[D - 2], &slopes[D - 1]];
         let (plus, minus) = (range(first[a], second[b]), range(first[b], second[a]));

@@ -23,6 +23,7 @@ pub use display::DisplayWarp;
 pub use error::LatticeError;
 pub use fit::Fitted;
 pub use folds::Folds;
+pub(crate) use folds::rough_determinant;
 pub use forward::PointAndGradient;
 pub use grid::{Grid, Lattice, ScreenLattice};
 pub use scene_lattice::{BoxFrame, SceneLattice};

@@ -204,24 +204,35 @@ impl<const C: usize> BlockedWeights<C> {
 impl<const D: usize> BlockedWeights<D> {
     /// Gradient of the lattice at all rows of a matrix of ∇W, packet by packet, as [row][column][lane].
     pub(crate) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
-        dispatch(Gradients { weights: self, handles })
+        let count = self.order.len();
+        dispatch(Gradients { weights: self, blocks: self.blocks.iter(), count, handles })
+    }
+
+    /// Same as [`Self::gradients_at`], at the rows of some blocks.
+    pub(crate) fn gradients_in(&self, blocks: &[usize], handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
+        let blocks = blocks.iter().map(|&block| &self.blocks[block]);
+        let count = blocks.clone().map(|block| block.packets.len()).sum();
+        dispatch(Gradients { weights: self, blocks, count, handles })
     }
 }
 
 /// Kernel of [`BlockedWeights::gradients_at`].
-struct Gradients<'a, const D: usize> {
+struct Gradients<'a, const D: usize, I> {
     weights: &'a BlockedWeights<D>,
+    blocks: I,
+    /// Number of packets in all blocks.
+    count: usize,
     handles: &'a [[f64; D]],
 }
 
-impl<const D: usize> WithSimd for Gradients<'_, D> {
+impl<'a, const D: usize, I: Iterator<Item = &'a Block>> WithSimd for Gradients<'a, D, I> {
     type Output = Vec<[[Lanes; D]; D]>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut gradients = Vec::with_capacity(self.weights.order.len());
+        let mut gradients = Vec::with_capacity(self.count);
         let mut local = Vec::new();
-        for block in &self.weights.blocks {
+        for block in self.blocks {
             local_handles(block, self.handles, &mut local);
             for coefficients in self.weights.packets(block) {
                 gradients.push(gather(simd, coefficients, &local).map(|row| row.map(|x| store::<S>(x))));

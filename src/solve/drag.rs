@@ -4,10 +4,10 @@
 //! The first step of a move goes along the tangent of the last state; two or three corrections follow, each one triangular solve.
 
 use super::branching::BranchedLattice;
+use super::cached_factor::CachedFactor;
 use super::cancel::Cancel;
 use super::error::SolveError;
 use super::minimization::{FinalPhase, Minimization, MinimizationResult, largest_step};
-use super::newton::CachedFactor;
 use super::problem::{HandlePin, PointPin};
 use super::report::Solution;
 use super::settings::Settings;

@@ -3,6 +3,7 @@
 //! In: a minimisation and a start state. Out: handles, and whether the iteration converged.
 
 use super::anderson::Anderson;
+use super::cached_factor::CachedFactor;
 use super::cancel::Cancelled;
 use super::minimization::{Energies, Minimization, MinimizationResult, SAFEGUARD, largest_step};
 use super::newton::NewtonSwitch;
@@ -24,7 +25,7 @@ impl<const D: usize> Minimization<'_, D> {
             None => self.run_without_barrier(None)?,
         };
         let iterations = free.iterations;
-        let result = self.with_barrier(free, self.initial)?;
+        let result = self.with_barrier(free, self.initial, &mut CachedFactor::default())?;
         if let Some(observe) = observe.filter(|_| result.iterations > iterations) {
             observe(self.energies(&result.handles, &result.handles));
         }

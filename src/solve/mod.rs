@@ -8,6 +8,7 @@ mod barrier;
 mod blocked_weights;
 mod box_rotation;
 mod branching;
+mod cached_factor;
 mod cancel;
 mod constraints;
 mod continuation;

@@ -5,6 +5,7 @@
 //! finally the local-global step are tried.
 
 use super::anderson::Anderson;
+use super::cached_factor::CachedFactor;
 use super::cancel::Cancelled;
 use super::energy::RotationHessian;
 use super::linalg::factorization::Factorization;
@@ -45,26 +46,6 @@ const CONVEXITY_LIMITS: [f64; 3] = [f64::INFINITY, 0.75, 0.5];
 
 /// Step lengths that are tried where the full step would raise the energy; trying them costs no solve.
 const STEP_LENGTHS: [f64; 3] = [0.5, 0.25, 0.0625];
-
-/// A factored second derivative for reuse, and the memory of the factor that was dropped last.
-#[derive(Debug, Default)]
-pub(crate) struct CachedFactor {
-    factor: Option<Factorization>,
-    buffer: Vec<f64>,
-}
-
-impl CachedFactor {
-    /// Whether there is a factor.
-    pub(crate) fn is_some(&self) -> bool {
-        self.factor.is_some()
-    }
-
-    fn discard_factor(&mut self) {
-        if let Some(factor) = self.factor.take() {
-            self.buffer = factor.into_buffer();
-        }
-    }
-}
 
 /// Decides when Newton's method takes over, from the convergence rate of the local-global steps and the relative cost of Newton's
 /// method.
@@ -115,7 +96,7 @@ impl NewtonSwitch {
 }
 
 /// Number of steps until `left` has shrunk to 1 at the given rate.
-fn steps_left(left: f64, rate: f64) -> f64 {
+pub(crate) fn steps_left(left: f64, rate: f64) -> f64 {
     if rate < 1.0 { -left.ln() / rate.ln() } else { f64::INFINITY }
 }
 
@@ -160,7 +141,7 @@ impl<const D: usize> Minimization<'_, D> {
         let before = handles.clone();
         if self.barrier.is_some_and(|barrier| !barrier.is_clear(&handles)) {
             let reached = MinimizationResult::of(handles, 0, false);
-            return self.with_barrier(reached, Some(&before));
+            return self.with_barrier(reached, Some(&before), cached);
         }
         let mut residuals = Vec::new();
         self.constraints.enforce(self.terms, &mut residuals, &mut handles);
@@ -177,7 +158,12 @@ impl<const D: usize> Minimization<'_, D> {
         *cached = descent.cached;
         run.handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut residuals, &mut run.handles);
-        self.with_barrier(run, Some(&before))
+        if self.barrier.is_none_or(|barrier| barrier.is_clear(&run.handles)) {
+            return Ok(run);
+        }
+        // The factor lacks the second derivative of the barrier.
+        cached.discard_factor();
+        self.with_barrier(run, Some(&before), cached)
     }
 
     fn iterate(&self, handles: Vec<[f64; D]>, constant: &[[f64; D]]) -> Result<NewtonIterate<D>, Cancelled> {
@@ -187,8 +173,8 @@ impl<const D: usize> Minimization<'_, D> {
         Ok(NewtonIterate { handles, energy, right_side })
     }
 
-    /// Cost of a new factorisation, in steps with a reused one.
-    fn factor_cost(&self) -> f64 {
+    /// Cost of a new factorisation, in steps with a reused one; infinite if the energy does not implement its second derivative.
+    pub(crate) fn factor_cost(&self) -> f64 {
         let Some(flops) = self.distortion.flops() else { return f64::INFINITY };
         let [factor, solve] = self.normal.flops(D);
         let [_, product] = self.normal.flops(1);
@@ -258,7 +244,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         let problem = self.problem;
         let mut by = self.iterate.right_side.clone();
         problem.normal.subtract_matvec(&self.iterate.handles, &mut by);
-        match &self.cached.factor {
+        match self.cached.factor() {
             Some(factor) => factor.solve(by.as_flattened_mut().as_chunks_mut::<1>().0),
             None => problem.factor.solve(&mut by),
         }
@@ -359,12 +345,12 @@ impl<'a, const D: usize> Descent<'a, D> {
         while let (false, 1.., Some(&limit)) =
             (self.cached.is_some(), self.factors_left, CONVEXITY_LIMITS.get(self.level))
         {
-            let mut second = self.problem.normal.kron_identity::<D>(std::mem::take(&mut self.cached.buffer));
+            let mut second = self.problem.normal.kron_identity::<D>(self.cached.take_buffer());
             let hessian = RotationHessian { scale: self.problem.scales.shape, limit };
             let Minimization { distortion, cancel, .. } = *self.problem;
             distortion.subtract_rotation_hessian(&self.iterate.handles, hessian, &mut second, cancel);
             cancel.check()?;
-            self.cached.factor = Factorization::of_positive(second, cancel);
+            self.cached.set_factor(Factorization::of_positive(second, cancel));
             cancel.check()?;
             self.is_fresh = true;
             self.factors_left -= 1;

@@ -4,9 +4,8 @@
 //! whose first root is found by bisection of its Bernstein form; J. Smith and S. Schaefer, "Bijective Parameterization with Free
 //! Boundaries", 2015, bound their steps in this way.
 
-use super::points::BarrierPoints;
-use crate::solve::linalg::simd::lane_of;
-use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
+use super::points::{BarrierPoints, determinants};
+use crate::solve::linalg::simd::{LANES, Lanes, lane_of};
 
 /// Maximum depth of the bisection: a root is located to 2⁻⁴⁰ of the interval.
 const BISECTIONS: usize = 40;
@@ -15,32 +14,44 @@ impl<const D: usize> BarrierPoints<D> {
     /// Returns the largest fraction of the way from `from` to `to` up to which det J exceeds `least` at every point; 1 where the
     /// whole way is free.
     pub(super) fn max_step(&self, from: &[[f64; D]], to: &[[f64; D]], least: f64) -> f64 {
-        let (before, after) = (self.gradients_at(from), self.gradients_at(to));
-        let mut share = 1.0;
-        self.for_each_point(|[_, packet, lane]| {
-            share = first_root(&lane_of(&before[packet], lane), &lane_of(&after[packet], lane), (least, share));
-        });
-        share
+        let open = self.open_between([from, to], least);
+        let (before, after) = (self.gradients_in(&open, from), self.gradients_in(&open, to));
+        // Unused lanes hold the gradient 0, which crosses nothing.
+        let points = before.iter().zip(&after);
+        points.fold(1.0, |share, (before, after)| first_root(before, after, (least, share)))
     }
 }
 
-/// Returns where between two matrices the determinant first falls to `least`, as a fraction of the way, at most `share`.
-fn first_root<const D: usize>(from: &SquareMatrix<D>, to: &SquareMatrix<D>, (least, share): (f64, f64)) -> f64 {
-    let at = |t: f64| -> SquareMatrix<D> {
-        std::array::from_fn(|row| std::array::from_fn(|axis| from[row][axis] * (1.0 - t) + to[row][axis] * t))
-    };
-    let gap = |t: f64| determinant(&at(t)) - least;
+/// Returns where between two matrices in one of four lanes the determinant first falls to `least`, as a fraction of the way, at
+/// most `share`. Lanes of zeros are left out.
+fn first_root<const D: usize>(from: &[[Lanes; D]; D], to: &[[Lanes; D]; D], (least, mut share): (f64, f64)) -> f64 {
     // Bernstein coefficients of the polynomial over 0..share, from its values at four evenly spaced parameters.
-    let values: [f64; 4] = std::array::from_fn(|k| gap(share * k as f64 / 3.0));
-    if values.iter().any(|x| x.is_nan()) {
-        return 0.0;
+    let [a, b, c, d]: [Lanes; 4] = std::array::from_fn(|k| {
+        let t = share * k as f64 / 3.0;
+        let blend = |a: &Lanes, b: &Lanes| -> Lanes { std::array::from_fn(|lane| a[lane] * (1.0 - t) + b[lane] * t) };
+        let at: [[Lanes; D]; D] =
+            std::array::from_fn(|row| std::array::from_fn(|axis| blend(&from[row][axis], &to[row][axis])));
+        determinants(&at).map(|det| det - least)
+    });
+    let [b, c]: [Lanes; 2] = [
+        std::array::from_fn(|lane| (-5.0 * a[lane] + 18.0 * b[lane] - 9.0 * c[lane] + 2.0 * d[lane]) / 6.0),
+        std::array::from_fn(|lane| (2.0 * a[lane] - 9.0 * b[lane] + 18.0 * c[lane] - 5.0 * d[lane]) / 6.0),
+    ];
+    let end = share;
+    for lane in 0..LANES {
+        let coefficients = [a, b, c, d].map(|x| x[lane]);
+        if coefficients.iter().all(|&x| x > 0.0) {
+            continue;
+        }
+        if coefficients.iter().any(|x| x.is_nan()) {
+            return 0.0;
+        }
+        let is_used = lane_of(from, lane).as_flattened().iter().any(|&x| x != 0.0);
+        if is_used && let Some(root) = first_root_in(coefficients, 0, [0.0, end]) {
+            share = share.min(root);
+        }
     }
-    let [a, b, c, d] = values;
-    let inner = [(-5.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 6.0, (2.0 * a - 9.0 * b + 18.0 * c - 5.0 * d) / 6.0];
-    if a > 0.0 && d > 0.0 && inner.iter().all(|&x| x > 0.0) {
-        return share;
-    }
-    first_root_in([a, inner[0], inner[1], d], 0, [0.0, share]).unwrap_or(share)
+    share
 }
 
 /// Returns the first root of a cubic in Bernstein form over an interval, by bisection; `None` where it has no root.
@@ -64,16 +75,22 @@ fn first_root_in([a, b, c, d]: [f64; 4], depth: usize, [low, high]: [f64; 2]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::linalg::small_matrix::SquareMatrix;
 
     #[test]
     fn the_first_of_several_roots_is_found() {
+        fn root<const D: usize>(from: SquareMatrix<D>, to: SquareMatrix<D>, within: (f64, f64)) -> f64 {
+            // The other lanes are unused.
+            let lanes = |m: SquareMatrix<D>| m.map(|row| row.map(|x| [x, 0.0, 0.0, 0.0]));
+            first_root(&lanes(from), &lanes(to), within)
+        }
         // det J = (1 − 2t)(1 − 4t) has roots at ¼ and ½.
         let (from, to) = ([[1.0, 0.0], [0.0, 1.0]], [[-1.0, 0.0], [0.0, -3.0]]);
-        assert!((first_root(&from, &to, (0.0, 1.0)) - 0.25).abs() < 1e-9);
-        assert_eq!(first_root(&from, &to, (0.0, 0.2)), 0.2);
+        assert!((root(from, to, (0.0, 1.0)) - 0.25).abs() < 1e-9);
+        assert_eq!(root(from, to, (0.0, 0.2)), 0.2);
         let (from, to) =
             ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]]);
-        assert_eq!(first_root(&from, &to, (0.02, 1.0)), 1.0);
-        assert!((first_root(&from, &to, (0.75, 1.0)) - 0.5).abs() < 1e-9);
+        assert_eq!(root(from, to, (0.02, 1.0)), 1.0);
+        assert!((root(from, to, (0.75, 1.0)) - 0.5).abs() < 1e-9);
     }
 }

@@ -7,6 +7,8 @@
 mod crossing;
 mod curvature;
 mod descent;
+mod hull;
+mod minimum;
 mod points;
 mod potential;
 mod reactions;
@@ -43,13 +45,14 @@ impl<const D: usize> Barrier<D> {
 
     /// Whether det J ≥ 0.2 at every point, so that the barrier and its derivatives vanish.
     pub(crate) fn is_clear(&self, handles: &[[f64; D]]) -> bool {
-        let least = self.rough.min_det(handles);
-        least >= SURELY_CLEAR || least >= ACTIVATION_DET && self.points().min_det(handles) >= ACTIVATION_DET
+        let least = self.rough.min_det(handles, SURELY_CLEAR);
+        let is_clear = || self.points().min_det(handles, ACTIVATION_DET) >= ACTIVATION_DET;
+        least >= SURELY_CLEAR || least >= ACTIVATION_DET && is_clear()
     }
 
-    /// Smallest det J at the coarse points.
+    /// Smallest det J at the coarse points, at most 0.2.
     fn min_det(&self, handles: &[[f64; D]]) -> f64 {
-        self.rough.min_det(handles)
+        self.rough.min_det(handles, ACTIVATION_DET)
     }
 
     /// Fine points; built at the first call.
@@ -77,7 +80,7 @@ impl<const D: usize> Barrier<D> {
             let mut is_active = vec![false; self.grid.cell_count()];
             part.cells.iter().for_each(|&cell| is_active[cell] = true);
             let margin = self.grid.basis.margin();
-            for place in (Lattice { grid: self.grid.clone(), handles }).active_folds(&is_active, f64::INFINITY).cells {
+            for place in (Lattice { grid: self.grid.clone(), handles }).active_folds(&is_active, 0.0).cells {
                 let cell = (0..D)
                     .rev()
                     .fold(0, |cell, axis| cell * self.grid.basis.spans(self.grid.dims[axis]) + place[axis] - margin);

@@ -4,6 +4,7 @@
 //! points. Cells with more than the usual number of points weigh more.
 
 use super::curvature::{cofactors, eigen_pairs};
+use super::hull::DifferenceHull;
 use super::potential::{ACTIVATION_DET, potential};
 use crate::lattice::{Grid, Support};
 use crate::solve::blocked_weights::BlockedWeights;
@@ -34,6 +35,8 @@ pub(super) struct BarrierPoints<const D: usize> {
     weights: BlockedWeights<D>,
     /// Weight of a point in the energy, per block.
     shares: Vec<f64>,
+    /// Bounds of det J per block; `None` where the basis has none.
+    hull: Option<DifferenceHull<D>>,
 }
 
 /// A point where det J is below [`ACTIVATION_DET`].
@@ -71,7 +74,7 @@ impl<const D: usize> BarrierPoints<D> {
                 });
                 let shares: Vec<f64> = shares.collect();
                 match &mut points {
-                    None => points = Some(Self { weights, shares }),
+                    None => points = Some(Self { weights, shares, hull: DifferenceHull::new(grid) }),
                     Some(points) => {
                         points.weights.append(weights);
                         points.shares.extend(shares);
@@ -79,7 +82,7 @@ impl<const D: usize> BarrierPoints<D> {
                 }
             }
         }
-        points.unwrap_or_else(|| Self { weights: in_cells(grid, &[], 1, cancel), shares: Vec::new() })
+        points.unwrap_or_else(|| Self { weights: in_cells(grid, &[], 1, cancel), shares: Vec::new(), hull: None })
     }
 
     /// Largest difference between handle indices that share a matrix entry.
@@ -87,36 +90,16 @@ impl<const D: usize> BarrierPoints<D> {
         self.weights.bandwidth()
     }
 
-    /// Smallest det J at all points; −∞ where one is NaN.
-    pub(super) fn min_det(&self, handles: &[[f64; D]]) -> f64 {
-        let gradients = self.gradients_at(handles);
-        let mut least = f64::INFINITY;
-        self.for_each_point(|[_, packet, lane]| {
-            let det = determinant(&lane_of(&gradients[packet], lane));
-            least = if det >= least { least } else { det };
-        });
-        if least.is_nan() { f64::NEG_INFINITY } else { least }
+    /// Smallest det J at the points of all cells, at most `wanted`; −∞ where one is NaN.
+    pub(super) fn min_det(&self, handles: &[[f64; D]], wanted: f64) -> f64 {
+        let low = self.points_below(handles, wanted);
+        low.iter()
+            .fold(wanted, |least, point| if point.det.is_nan() { f64::NEG_INFINITY } else { least.min(point.det) })
     }
 
-    /// Returns the points where det J is below [`ACTIVATION_DET`].
-    pub(super) fn penalised_points(&self, handles: &[[f64; D]]) -> Vec<PenalisedPoint<D>> {
-        let gradients = self.gradients_at(handles);
-        let mut penalised = Vec::new();
-        self.for_each_point(|place| {
-            let gradient = lane_of(&gradients[place[1]], place[2]);
-            let det = determinant(&gradient);
-            // A NaN is also penalised.
-            let is_clear = det >= ACTIVATION_DET;
-            if !is_clear {
-                penalised.push(PenalisedPoint { place, gradient, det });
-            }
-        });
-        penalised
-    }
-
-    /// Returns the mean potential and the penalised points.
+    /// Returns the mean potential, and the points where det J is below [`ACTIVATION_DET`].
     pub(super) fn energy(&self, handles: &[[f64; D]]) -> (f64, Vec<PenalisedPoint<D>>) {
-        let penalised = self.penalised_points(handles);
+        let penalised = self.points_below(handles, ACTIVATION_DET);
         let sum: f64 = penalised.iter().map(|point| self.shares[point.place[0]] * potential(point.det)[0]).sum();
         (sum, penalised)
     }
@@ -166,20 +149,63 @@ impl<const D: usize> BarrierPoints<D> {
         block.handles.iter().zip(coefficients).map(move |(&handle, lanes)| (handle, lanes.map(|x| x[lane])))
     }
 
-    /// Calls `visit` with the block, packet and lane of every point.
-    pub(super) fn for_each_point(&self, mut visit: impl FnMut([usize; 3])) {
-        for (number, block) in self.weights.blocks.iter().enumerate() {
-            for packet in block.packets.clone() {
-                let lanes = (0..LANES).filter(|&lane| self.weights.order[packet][lane] != usize::MAX);
-                lanes.for_each(|lane| visit([number, packet, lane]));
+    /// Blocks in which det J may be below `least`.
+    fn open(&self, handles: &[[f64; D]], least: f64) -> Vec<usize> {
+        self.blocks_below(least, |hull| hull.bounds(self.cells(), handles))
+    }
+
+    /// Blocks in which det J may be at or below `least` on the straight way between two states.
+    pub(super) fn open_between(&self, ends: [&[[f64; D]]; 2], least: f64) -> Vec<usize> {
+        self.blocks_below(least, |hull| hull.bounds_between(self.cells(), ends))
+    }
+
+    fn blocks_below(&self, least: f64, bounds: impl Fn(&DifferenceHull<D>) -> Vec<f64>) -> Vec<usize> {
+        match &self.hull {
+            Some(hull) => {
+                (0..).zip(bounds(hull)).filter_map(|(block, bound)| (bound <= least).then_some(block)).collect()
             }
+            None => (0..self.weights.blocks.len()).collect(),
         }
     }
 
-    /// J at all points, packet by packet, as [row][column][lane].
-    pub(super) fn gradients_at(&self, handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
-        self.weights.gradients_at(handles)
+    /// Handles of all blocks.
+    fn cells(&self) -> impl Iterator<Item = &[usize]> + Clone {
+        self.weights.blocks.iter().map(|block| &block.handles[..])
     }
+
+    /// Returns the points where det J is below `least`, or NaN.
+    fn points_below(&self, handles: &[[f64; D]], least: f64) -> Vec<PenalisedPoint<D>> {
+        let open = self.open(handles, least);
+        let mut low = Vec::new();
+        for ([block, packet], gradients) in self.packets_of(&open).zip(self.gradients_in(&open, handles)) {
+            for (lane, det) in determinants(&gradients).into_iter().enumerate() {
+                let is_above = det >= least;
+                if !is_above && self.weights.order[packet][lane] != usize::MAX {
+                    low.push(PenalisedPoint { place: [block, packet, lane], gradient: lane_of(&gradients, lane), det });
+                }
+            }
+        }
+        low
+    }
+
+    /// Blocks and packets of all points of some blocks.
+    fn packets_of(&self, blocks: &[usize]) -> impl Iterator<Item = [usize; 2]> {
+        blocks.iter().flat_map(|&block| self.weights.blocks[block].packets.clone().map(move |packet| [block, packet]))
+    }
+
+    /// J at all points of some blocks, packet by packet, as [row][column][lane]; 0 in unused lanes.
+    pub(super) fn gradients_in(&self, blocks: &[usize], handles: &[[f64; D]]) -> Vec<[[Lanes; D]; D]> {
+        self.weights.gradients_in(blocks, handles)
+    }
+}
+
+/// Determinants of the matrices in four lanes.
+pub(super) fn determinants<const D: usize>(m: &[[Lanes; D]; D]) -> Lanes {
+    if D == 2 {
+        let [a, b, c, d] = [m[0][0], m[0][1], m[1][0], m[1][1]];
+        return std::array::from_fn(|lane| a[lane] * d[lane] - b[lane] * c[lane]);
+    }
+    std::array::from_fn(|lane| determinant(&lane_of(m, lane)))
 }
 
 /// Distance in spans by which points on the border of a cell are moved inside, so that they depend on the handles of that cell.

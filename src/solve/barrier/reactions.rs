@@ -58,6 +58,22 @@ impl<'a, const D: usize> Reactions<'a, D> {
         self.update_multipliers(handles);
     }
 
+    /// The multipliers, coordinate by coordinate.
+    pub(super) fn multipliers(&self) -> Vec<f64> {
+        self.list.iter().flat_map(|reaction| reaction.multiplier).collect()
+    }
+
+    /// Sets the multipliers to those of a similar problem, limited to L, if there are as many.
+    pub(super) fn set_multipliers(&mut self, multipliers: &[f64]) {
+        let (found, _) = multipliers.as_chunks::<D>();
+        if found.len() == self.list.len() {
+            self.list
+                .iter_mut()
+                .zip(found)
+                .for_each(|(reaction, found)| reaction.multiplier = reaction.limited(*found));
+        }
+    }
+
     /// Sets the multipliers to the forces at a state, limited to L. Returns the largest residual of the rows that do not give way.
     pub(super) fn update_multipliers(&mut self, handles: &[[f64; D]]) -> f64 {
         let (rows, mut farthest) = (self.rows, 0.0_f64);
@@ -68,8 +84,7 @@ impl<'a, const D: usize> Reactions<'a, D> {
                 let (set, place) = place(rows, reaction.row);
                 farthest = farthest.max(norm(&set.residual(place, handles)));
             }
-            let share = if size > reaction.limit { reaction.limit / size } else { 1.0 };
-            reaction.multiplier = force.map(|x| share * x);
+            reaction.multiplier = reaction.limited(force);
         }
         farthest
     }
@@ -135,6 +150,13 @@ impl<const D: usize> Reaction<D> {
         let (set, place) = place(rows, self.row);
         let residual = set.residual(place, handles);
         std::array::from_fn(|d| self.weight * residual[d] + self.multiplier[d])
+    }
+
+    /// A force, shortened to L.
+    fn limited(&self, force: [f64; D]) -> [f64; D] {
+        let size = norm(&force);
+        let share = if size > self.limit { self.limit / size } else { 1.0 };
+        force.map(|x| share * x)
     }
 }
 

@@ -9,6 +9,7 @@ mod saddle;
 mod side;
 mod starts;
 
+use super::cached_factor::CachedFactor;
 use super::cancel::{Cancel, Cancelled};
 use super::error::SolveError;
 use super::minimization::{Energies, FinalPhase, Minimization, MinimizationResult};
@@ -52,12 +53,12 @@ impl<const D: usize> System<D> {
             None => minimization.run_without_barrier(None)?,
         };
         if !minimization.has_second_derivative() || self.settings().start == Start::Rest || !first.is_converged {
-            return minimization.with_barrier(first, None);
+            return minimization.with_barrier(first, None, &mut CachedFactor::default());
         }
         let mut search = Search::new(self, targets, &minimization, first);
         search.try_other_starts()?;
         let found = search.settled()?;
-        let result = minimization.with_barrier(found, None)?;
+        let result = minimization.with_barrier(found, None, &mut CachedFactor::default())?;
         if let Some(observe) = observe {
             observe(minimization.energies(&result.handles, &result.handles));
         }
@@ -67,7 +68,7 @@ impl<const D: usize> System<D> {
 
 impl<const D: usize> System<D> {
     /// Checks a state that was reached from a previous one. Returns a lower state beside it if it is a saddle, else the state
-    /// itself.
+    /// itself. Where the barrier acts, its descent has checked the state.
     pub(crate) fn leave_saddle(
         &self,
         followed: MinimizationResult<D>,
@@ -77,13 +78,14 @@ impl<const D: usize> System<D> {
         let to = self.retargeted(pins, handles, cancel)?;
         let targets = self.targets((pins, handles), &to);
         let minimization = self.minimization(&targets, cancel);
-        if !minimization.has_second_derivative() || followed.has_given_way {
+        let is_held = minimization.barrier.is_some_and(|barrier| !barrier.is_clear(&followed.handles));
+        if !minimization.has_second_derivative() || is_held {
             return Ok(followed);
         }
         let before = followed.handles.clone();
         let mut search = Search::new(self, &targets, &minimization, followed);
         search.rounds.clear();
-        Ok(minimization.with_barrier(search.settled()?, Some(&before))?)
+        Ok(minimization.with_barrier(search.settled()?, Some(&before), &mut CachedFactor::default())?)
     }
 }
 

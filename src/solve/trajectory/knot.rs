@@ -7,11 +7,11 @@
 use super::displacement::Displacement;
 use super::timeline::TimedProblem;
 use crate::lattice::Grid;
+use crate::solve::cached_factor::CachedFactor;
 use crate::solve::cancel::Cancel;
 use crate::solve::error::SolveError;
 use crate::solve::linalg::small_matrix::minus;
 use crate::solve::minimization::{Minimization, MinimizationResult};
-use crate::solve::newton::CachedFactor;
 use crate::solve::point_weights::PointWeights;
 use crate::solve::problem::Problem;
 use crate::solve::rigid_motion::RigidMotion;
