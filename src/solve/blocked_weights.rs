@@ -62,6 +62,22 @@ impl<const C: usize> BlockedWeights<C> {
         packets
     }
 
+    /// Same as [`Self::new`] for points in groups, each of which has one support and its own unknowns in place of the handles.
+    pub(crate) fn grouped<const D: usize>(
+        grid: &Grid<D>,
+        (points, groups): (&[[f64; D]], &[(std::ops::Range<usize>, &[usize])]),
+        coefficients: impl Fn(f64, &[f64; D]) -> [f64; C],
+        cancel: &Cancel,
+    ) -> Self {
+        let mut packets = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
+        for (rows, unknowns) in groups {
+            let keyed: Vec<KeyedRow> = rows.clone().map(|row| ([0; 2], row)).collect();
+            packets.add_block(grid, (points, &keyed), &coefficients, cancel);
+            packets.blocks.last_mut().expect("one block was added").handles = unknowns.to_vec();
+        }
+        packets
+    }
+
     fn add_block<const D: usize>(
         &mut self,
         grid: &Grid<D>,

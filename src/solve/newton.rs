@@ -51,12 +51,19 @@ const STEP_LENGTHS: [f64; 3] = [0.5, 0.25, 0.0625];
 pub(crate) struct CachedFactor {
     factor: Option<Factorization>,
     buffer: Vec<f64>,
+    /// The last state of the present move at which the true second derivative was positive definite, flat; empty if there is none.
+    convex_at: Vec<f64>,
 }
 
 impl CachedFactor {
     /// Whether there is a factor.
     pub(crate) fn is_some(&self) -> bool {
         self.factor.is_some()
+    }
+
+    /// The last state of the last move at which the true second derivative was positive definite.
+    pub(crate) fn convex_state<const D: usize>(&self) -> Option<&[[f64; D]]> {
+        Some(self.convex_at.as_chunks::<D>().0).filter(|state| !state.is_empty())
     }
 
     fn discard_factor(&mut self) {
@@ -158,6 +165,7 @@ impl<const D: usize> Minimization<'_, D> {
         factors: usize,
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let before = handles.clone();
+        cached.convex_at.clear();
         if self.barrier.is_some_and(|barrier| !barrier.is_clear(&handles)) {
             let reached = MinimizationResult::of(handles, 0, false);
             return self.with_barrier(reached, Some(&before));
@@ -366,6 +374,10 @@ impl<'a, const D: usize> Descent<'a, D> {
             cancel.check()?;
             self.cached.factor = Factorization::of_positive(second, cancel);
             cancel.check()?;
+            if limit.is_infinite() {
+                let state = self.iterate.handles.as_flattened().iter().filter(|_| self.cached.factor.is_some());
+                self.cached.convex_at = state.copied().collect();
+            }
             self.is_fresh = true;
             self.factors_left -= 1;
             self.level += usize::from(!self.cached.is_some());
