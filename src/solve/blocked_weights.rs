@@ -16,6 +16,9 @@ const FEW: usize = 64;
 /// The support key of a row, see [`Grid::support`], and the index of the row.
 type KeyedRow = ([usize; 2], usize);
 
+/// A range of rows in one cell, and the unknowns that act on it in place of the cell's handles.
+pub(crate) type RowGroup<'a> = (std::ops::Range<usize>, &'a [usize]);
+
 /// Rows with the same support.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
@@ -65,7 +68,7 @@ impl<const C: usize> BlockedWeights<C> {
     /// Same as [`Self::new`] for points in groups, each of which has one support and its own unknowns in place of the handles.
     pub(crate) fn grouped<const D: usize>(
         grid: &Grid<D>,
-        (points, groups): (&[[f64; D]], &[(std::ops::Range<usize>, &[usize])]),
+        (points, groups): (&[[f64; D]], &[RowGroup]),
         coefficients: impl Fn(f64, &[f64; D]) -> [f64; C],
         cancel: &Cancel,
     ) -> Self {

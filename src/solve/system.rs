@@ -61,12 +61,15 @@ pub(crate) struct System<const D: usize> {
     warnings: Vec<String>,
 }
 
+/// The copies of handles, and the point of the shape that each pin holds, with its piece.
+type SnappedBranching<const D: usize> = (Branching<D>, Vec<([f64; D], usize)>);
+
 /// Components of a system.
 pub(crate) struct Parts<const D: usize> {
     pub(crate) distortion: Box<dyn Distortion<D>>,
     pub(crate) pin_rows: LeastSquaresRows<D>,
-    /// The copies of handles, and the point of the shape that each pin holds, with its piece.
-    pub(crate) branching: Option<(Branching<D>, Vec<([f64; D], usize)>)>,
+    /// `None` if every handle is one unknown.
+    pub(crate) branching: Option<SnappedBranching<D>>,
     pub(crate) warnings: Vec<String>,
     /// Rows of the proximal term, one per point of the model.
     pub(crate) proximal: LeastSquaresRows<D>,

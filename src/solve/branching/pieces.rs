@@ -116,7 +116,7 @@ impl Pieces {
             // Pairs of positions in a cell and in the next one along the axis, of the handles that act on both.
             let slot_stride = width.pow(axis as u32);
             let slots: Vec<[usize; 2]> = (0..width.pow(D as u32))
-                .filter(|slot| slot / slot_stride % width > 0)
+                .filter(|slot| !(slot / slot_stride).is_multiple_of(width))
                 .map(|slot| [slot, slot - slot_stride])
                 .collect();
             for number in 0..self.list.len() {
@@ -128,11 +128,11 @@ impl Pieces {
                     let copies = |&[own, theirs]: &[usize; 2]| [piece.copies[own], self.list[next].copies[theirs]];
                     let is_one = slots.iter().map(copies).all(|[own, theirs]| own == theirs);
                     let degree = if is_one { 1.0 } else { coupling_degree(ties, slots.iter().map(copies)) };
-                    for [from, to] in [[number, next], [next, number]] {
-                        self.adjacent_pieces[from].push((to, degree));
-                        if is_one {
-                            self.neighbours[from].push(to);
-                        }
+                    self.adjacent_pieces[number].push((next, degree));
+                    self.adjacent_pieces[next].push((number, degree));
+                    if is_one {
+                        self.neighbours[number].push(next);
+                        self.neighbours[next].push(number);
                     }
                 }
             }

@@ -9,7 +9,7 @@ use super::rotation_hessian::SubtractRotationHessian;
 use super::rotation_response::RotationResponse;
 use super::sample_tasks::tasks;
 use crate::lattice::Grid;
-use crate::solve::blocked_weights::{Block, BlockedWeights, gather_group, local_handles};
+use crate::solve::blocked_weights::{Block, BlockedWeights, RowGroup, gather_group, local_handles};
 use crate::solve::cancel::{Cancel, WorkMeter};
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
@@ -18,7 +18,6 @@ use crate::solve::linalg::small_matrix::{nearest_rotation, squared_distance};
 use crate::solve::linalg::syrk::SyrkRows;
 use crate::solve::samples::Sample;
 use pulp::{Simd, WithSimd};
-use std::ops::Range;
 
 /// Energy `area` at fixed samples.
 #[derive(Debug)]
@@ -43,12 +42,7 @@ impl<const D: usize> Area<D> {
 
     /// The energy at samples in groups, each of which lies in one cell of a tensor basis and has its own unknowns in place of the cell's
     /// handles.
-    pub(crate) fn over_groups(
-        grid: &Grid<D>,
-        samples: &[Sample<D>],
-        groups: &[(Range<usize>, &[usize])],
-        cancel: &Cancel,
-    ) -> Self {
+    pub(crate) fn over_groups(grid: &Grid<D>, samples: &[Sample<D>], groups: &[RowGroup], cancel: &Cancel) -> Self {
         let points: Vec<[f64; D]> = samples.iter().map(|sample| sample.at).collect();
         Self::of(BlockedWeights::grouped(grid, (&points, groups), |_, gradient| *gradient, cancel), samples)
     }
