@@ -16,6 +16,9 @@ const FEW: usize = 64;
 /// The support key of a row, see [`Grid::support`], and the index of the row.
 type KeyedRow = ([usize; 2], usize);
 
+/// A range of rows in one cell, and the unknowns that act on it in place of the cell's handles.
+pub(crate) type RowGroup<'a> = (std::ops::Range<usize>, &'a [usize]);
+
 /// Rows with the same support.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
@@ -58,6 +61,22 @@ impl<const C: usize> BlockedWeights<C> {
         let mut packets = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
         for rows in keyed.chunk_by(|a, b| a.0 == b.0) {
             packets.add_block(grid, (points, rows), &coefficients, cancel);
+        }
+        packets
+    }
+
+    /// Same as [`Self::new`] for points in groups, each of which has one support and its own unknowns in place of the handles.
+    pub(crate) fn grouped<const D: usize>(
+        grid: &Grid<D>,
+        (points, groups): (&[[f64; D]], &[RowGroup]),
+        coefficients: impl Fn(f64, &[f64; D]) -> [f64; C],
+        cancel: &Cancel,
+    ) -> Self {
+        let mut packets = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
+        for (rows, unknowns) in groups {
+            let keyed: Vec<KeyedRow> = rows.clone().map(|row| ([0; 2], row)).collect();
+            packets.add_block(grid, (points, &keyed), &coefficients, cancel);
+            packets.blocks.last_mut().expect("one block was added").handles = unknowns.to_vec();
         }
         packets
     }

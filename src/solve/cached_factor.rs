@@ -1,6 +1,6 @@
 //! A factored second derivative that is kept from step to step and from move to move.
 //!
-//! In: a factor. Out: the same for reuse, the memory of the factor that was dropped last, and the forces that pins had with it.
+//! In: a factor. Out: the same for reuse, the memory of the factor that was dropped last, the forces that pins had with it, and where it was true and positive definite.
 
 use super::linalg::factorization::Factorization;
 
@@ -11,6 +11,8 @@ pub(crate) struct CachedFactor {
     buffer: Vec<f64>,
     /// Forces of the pins at the last minimum with the barrier, coordinate by coordinate; empty after other minima.
     forces: Vec<f64>,
+    /// The last state of the present move at which the true second derivative was positive definite, flat; empty if there is none.
+    convex_at: Vec<f64>,
 }
 
 impl CachedFactor {
@@ -49,5 +51,19 @@ impl CachedFactor {
     /// Keeps the forces of the pins.
     pub(crate) fn set_forces(&mut self, forces: Vec<f64>) {
         self.forces = forces;
+    }
+    /// The last state of the last move at which the true second derivative was positive definite.
+    pub(crate) fn convex_state<const D: usize>(&self) -> Option<&[[f64; D]]> {
+        Some(self.convex_at.as_chunks::<D>().0).filter(|state| !state.is_empty())
+    }
+
+    /// Keeps a state at which the true second derivative is positive definite.
+    pub(crate) fn set_convex_state<const D: usize>(&mut self, state: &[[f64; D]]) {
+        self.convex_at = state.as_flattened().to_vec();
+    }
+
+    /// Forgets the state kept for the last move.
+    pub(crate) fn clear_convex_state(&mut self) {
+        self.convex_at.clear();
     }
 }

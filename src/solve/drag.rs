@@ -149,7 +149,8 @@ impl<const D: usize> Drag<'_, D> {
 
     /// Moves pins and handles to new targets, converges to the tolerance of the settings and returns a report. Call it at the end
     /// of a drag, or for every move. If a handle has moved by more than a fiftieth of the box diagonal since the last check, the
-    /// second derivative is checked, and the solve leaves a saddle.
+    /// second derivative is checked, and the solve leaves a saddle; a second derivative that the move itself has factored counts as
+    /// checked.
     ///
     /// # Errors
     /// Those of [`Solver::update`].
@@ -161,13 +162,20 @@ impl<const D: usize> Drag<'_, D> {
         let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
-            run = self.solver.system().leave_saddle(
-                run,
-                (&upright.0, &upright.1),
-                self.cancel.unwrap_or(&Cancel::never()),
-            )?;
-            self.handles.clone_from(&run.handles);
-            self.checked = Some(run.handles.clone());
+            let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= unchecked;
+            let convex = self.factor.convex_state().filter(is_near);
+            if let Some(at) = convex.filter(|_| self.solver.system().is_free_of_barrier(&run.handles)) {
+                self.checked = Some(at.to_vec());
+                run.is_minimum = Some(true);
+            } else {
+                run = self.solver.system().leave_saddle(
+                    run,
+                    (&upright.0, &upright.1),
+                    self.cancel.unwrap_or(&Cancel::never()),
+                )?;
+                self.handles.clone_from(&run.handles);
+                self.checked = Some(run.handles.clone());
+            }
         }
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
         if is_held {
@@ -208,5 +216,32 @@ impl<const D: usize> Drag<'_, D> {
         }
         self.handles.clone_from(&run.handles);
         Ok(run)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::{Basis, Grid};
+    use crate::solve::problem::{Problem, Shape};
+    use crate::solve::report::Stationarity;
+
+    #[test]
+    fn a_second_derivative_that_a_move_has_factored_counts_as_checked() {
+        let grid = Grid { dims: [8, 8], basis: Basis::Bspline, lo: [0.0; 2], hi: [1.0; 2], angle: 0.0 };
+        let shape =
+            Shape::of_triangles(vec![[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.1, 0.9]], vec![[0, 1, 2], [0, 2, 3]]);
+        let pins = |x: f64| {
+            [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]].map(|at| PointPin::new(at, if at[1] > 0.5 { [x, 0.9] } else { at }))
+        };
+        let settings = Settings::default();
+        let rest = pins(0.9);
+        let problem = Problem { grid: &grid, shape: &shape, pins: &rest, handles: &[], settings: &settings };
+        let solver = Solver::new(&problem).expect("a valid problem");
+        let mut drag = solver.drag(&grid.at_rest()).expect("a lattice of the solver");
+        let settled = drag.settle(&pins(0.905), &[]).expect("the same pins");
+        assert_eq!(settled.report.stationarity, Stationarity::Minimum);
+        let convex = drag.factor.convex_state::<2>().expect("the first move factors the second derivative").to_vec();
+        assert_eq!(drag.checked, Some(convex));
     }
 }

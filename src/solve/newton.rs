@@ -139,6 +139,7 @@ impl<const D: usize> Minimization<'_, D> {
         factors: usize,
     ) -> Result<MinimizationResult<D>, Cancelled> {
         let before = handles.clone();
+        cached.clear_convex_state();
         if self.barrier.is_some_and(|barrier| !barrier.is_clear(&handles)) {
             let reached = MinimizationResult::of(handles, 0, false);
             return self.with_barrier(reached, Some(&before), cached);
@@ -352,6 +353,9 @@ impl<'a, const D: usize> Descent<'a, D> {
             cancel.check()?;
             self.cached.set_factor(Factorization::of_positive(second, cancel));
             cancel.check()?;
+            if limit.is_infinite() && self.cached.is_some() {
+                self.cached.set_convex_state(&self.iterate.handles);
+            }
             self.is_fresh = true;
             self.factors_left -= 1;
             self.level += usize::from(!self.cached.is_some());

@@ -91,6 +91,11 @@ impl<const D: usize> SecondDifferences<D> {
         kinds.collect()
     }
 
+    /// Whether the grid has such a difference.
+    pub(crate) fn has_any(&self) -> bool {
+        !self.starts.is_empty()
+    }
+
     /// Weight of one of the differences of this kind over the whole grid.
     pub(crate) fn weight(&self, grid: &Grid<D>, scaling: Scaling) -> f64 {
         let mean = self.share * grid.diagonal().powi(2) / self.starts.len().max(1) as f64;

@@ -61,11 +61,15 @@ pub(crate) struct System<const D: usize> {
     warnings: Vec<String>,
 }
 
+/// The copies of handles, and the point of the shape that each pin holds, with its piece.
+type SnappedBranching<const D: usize> = (Branching<D>, Vec<([f64; D], usize)>);
+
 /// Components of a system.
 pub(crate) struct Parts<const D: usize> {
     pub(crate) distortion: Box<dyn Distortion<D>>,
     pub(crate) pin_rows: LeastSquaresRows<D>,
-    pub(crate) branching: Option<Branching<D>>,
+    /// `None` if every handle is one unknown.
+    pub(crate) branching: Option<SnappedBranching<D>>,
     pub(crate) warnings: Vec<String>,
     /// Rows of the proximal term, one per point of the model.
     pub(crate) proximal: LeastSquaresRows<D>,
@@ -108,11 +112,13 @@ impl<const D: usize> System<D> {
         if let Some(branching) = Branching::of(problem)? {
             let settings = &settings_for(grid, settings);
             let problem = &Problem { settings, ..*problem };
+            let snapped = branching.snapped_points(problem.pins);
+            let held = (problem.pins, &*snapped);
             let parts = Parts {
-                distortion: branching.distortion(problem.shape, problem.pins, settings, cancel),
-                pin_rows: branching.pin_rows(problem.pins, settings),
+                distortion: branching.distortion(problem.shape, held, settings, cancel),
+                pin_rows: branching.pin_rows(held, settings),
                 proximal: branching.point_rows(points),
-                branching: Some(branching),
+                branching: Some((branching, snapped)),
                 warnings,
             };
             return Self::assemble(problem, parts, cancel);
@@ -131,6 +137,7 @@ impl<const D: usize> System<D> {
     /// Factors a checked problem from components that are already built.
     pub(crate) fn assemble(problem: &Problem<D>, parts: Parts<D>, cancel: &Cancel) -> Result<Self, SolveError> {
         let Parts { distortion, pin_rows, branching, warnings, proximal } = parts;
+        let (branching, snapped) = branching.map_or_else(Default::default, |(own, snapped)| (Some(own), snapped));
         let (grid, settings) = (problem.grid, problem.settings);
         let mut moved = vec![false; grid.handle_count()];
         problem.handles.iter().for_each(|handle| moved[handle.index] = true);
@@ -176,9 +183,6 @@ impl<const D: usize> System<D> {
             }
         };
         cancel.check()?;
-        let snap =
-            |pin: &PointPin<D>| branching.as_ref().map(|branching| branching.snapped_point(pin.at, pin.triangle));
-        let snapped = problem.pins.iter().filter_map(snap).collect();
         let mut system = Self {
             grid: grid.clone(),
             settings: settings.clone(),
@@ -297,6 +301,11 @@ impl<const D: usize> System<D> {
         };
         self.barrier.as_ref().is_some_and(|barrier| !barrier.is_clear(unknowns))
             && [self.terms.acting_pins(), &self.terms.handles].into_iter().any(is_missed)
+    }
+
+    /// Whether the barrier does not act on a state.
+    pub(crate) fn is_free_of_barrier(&self, unknowns: &[[f64; D]]) -> bool {
+        self.barrier.as_ref().is_none_or(|barrier| barrier.is_clear(unknowns))
     }
 
     /// Names of the unknowns, which identify them at any time; empty if every handle is one unknown.

@@ -4,6 +4,7 @@
 
 use super::link::LinkKind;
 use super::rest_links::surface_links;
+use crate::solve::counting_sort::counting_sort_then_by;
 use crate::solve::problem::Shape;
 use std::borrow::Cow;
 
@@ -34,12 +35,19 @@ impl<const D: usize> Adjacency<D> {
         };
         let placed = |link: &super::Link| {
             let mut ends = link.ends;
-            ends.sort_by_key(|end| end.triangle);
+            if ends[1].triangle < ends[0].triangle {
+                ends.swap(0, 1);
+            }
             let places = ends.map(|end| end.point(&shape.points, &shape.triangles));
             PlacedLink { triangles: ends.map(|end| end.triangle as usize), ends: places, kind: link.kind }
         };
         let mut links: Vec<PlacedLink<D>> = links.iter().map(placed).collect();
-        links.sort_by_key(|link| link.triangles);
+        counting_sort_then_by(
+            &mut links,
+            shape.triangles.len(),
+            |link| link.triangles[0],
+            |a, b| a.triangles[1].cmp(&b.triangles[1]),
+        );
         let mut ends = vec![0; shape.triangles.len()];
         links.iter().for_each(|link| ends[link.triangles[0]] += 1);
         for number in 1..ends.len() {

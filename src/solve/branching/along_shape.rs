@@ -45,9 +45,9 @@ impl<const D: usize> BranchedLattice<D> {
                 continue;
             }
             nearest[piece] = (length, point);
-            for (next, copies) in &branching.pieces.adjacent_pieces[piece] {
-                if nearest[*next].1 == usize::MAX && branching.coupling_degree(copies) >= MIN_CONNECTEDNESS {
-                    waiting.push(entry(length + distance(&middles[piece], &middles[*next]), point, *next));
+            for &(next, degree) in &branching.pieces.adjacent_pieces[piece] {
+                if nearest[next].1 == usize::MAX && degree >= MIN_CONNECTEDNESS {
+                    waiting.push(entry(length + distance(&middles[piece], &middles[next]), point, next));
                 }
             }
         }

@@ -3,9 +3,11 @@
 //! In: a [`Branching`], a pin. Out: the connectedness of each piece with the pin's own, and the rows and gradients of the pin's
 //! neighbourhoods.
 
+use super::Branching;
+use super::copies::first_handle_of_cell;
+use super::row_shares::CopiedRow;
 use super::support_box::cell_at;
-use super::{Branching, handles_of_cell};
-use crate::lattice::Support;
+use crate::lattice::{Grid, Support};
 use crate::solve::energy::Neighbourhood;
 use crate::solve::least_squares::LeastSquaresRows;
 use crate::solve::linalg::small_matrix::distance;
@@ -26,8 +28,9 @@ pub(super) struct AroundPin<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> AroundPin<'a, D> {
-    pub(super) fn of(branching: &'a Branching<D>, pin: &PointPin<D>) -> Self {
-        let (pin, piece) = branching.snapped_pin(pin);
+    /// `at`, `piece`: the point of the shape that the pin holds, and its piece.
+    pub(super) fn of(branching: &'a Branching<D>, pin: &PointPin<D>, (at, piece): ([f64; D], usize)) -> Self {
+        let pin = pin.moved_to(at);
         let is_within = |radius: f64| {
             move |piece: usize| {
                 let nearest = branching.clamped_to_cell(branching.pieces.list[piece].cell, pin.at);
@@ -38,16 +41,35 @@ impl<'a, const D: usize> AroundPin<'a, D> {
         Self { branching, pin, piece, in_region }
     }
 
-    /// The factor by which the pin's region changes the stiffness at a point of a branch, to the degree to which the point is
-    /// connected with the pin.
-    pub(super) fn stiffness_at(&self, branch: usize, point: [f64; D]) -> f64 {
-        if self.pin.region.is_none_or(|region| region.stiffness == 1.0) {
-            return 1.0;
+    /// Whether the pin changes the stiffness of its region.
+    pub(super) fn has_stiff_region(&self) -> bool {
+        self.pin.region.is_some_and(|region| region.stiffness != 1.0)
+    }
+
+    /// The factor by which the pin's region changes the stiffness at a point of a piece, to the degree to which the piece is connected
+    /// with the pin.
+    pub(super) fn stiffness_at(&self, piece: usize, point: [f64; D]) -> f64 {
+        1.0 + (region_stiffness(&self.pin, point) - 1.0) * self.in_region[piece]
+    }
+}
+
+/// The first and last place of a row's handles along each axis.
+struct RowExtent<const D: usize>([[usize; 2]; D]);
+
+impl<const D: usize> RowExtent<D> {
+    fn of(grid: &Grid<D>, row: &[(usize, f64)]) -> Self {
+        let mut extent = [[usize::MAX, 0]; D];
+        for place in row.iter().map(|entry| grid.handle_coords(entry.0)) {
+            for (own, place) in extent.iter_mut().zip(place) {
+                *own = [own[0].min(place), own[1].max(place)];
+            }
         }
-        let in_cell = self.branching.pieces.in_cell(cell_at(&self.branching.grid, &point));
-        let near =
-            in_cell.filter(|&piece| self.branching.branch_of(piece) == branch).map(|piece| self.in_region[piece]);
-        1.0 + (region_stiffness(&self.pin, point) - 1.0) * near.fold(0.0, f64::max)
+        Self(extent)
+    }
+
+    /// Whether all of these handles act on the cell at a place.
+    fn fits(&self, place: &[usize; D], width: usize) -> bool {
+        self.0.iter().zip(place).all(|([low, high], &first)| first <= *low && *high < first + width)
     }
 }
 
@@ -60,30 +82,28 @@ impl<const D: usize> Neighbourhood<D> for AroundPin<'_, D> {
     /// that no row couples separate parts.
     fn rows(&self, rows: &LeastSquaresRows<D>) -> LeastSquaresRows<D> {
         let branching = self.branching;
-        let Support::Tensor { width } = branching.grid.basis.support() else { return LeastSquaresRows::new() };
-        let own_rows = |piece: usize| {
-            let piece = &branching.pieces.list[piece];
-            let handles = handles_of_cell(&branching.grid, width, piece.cell);
-            let copy_of = move |entry: &(usize, f64)| Some(piece.copies[handles.binary_search(&entry.0).ok()?]);
-            let copies = move |row: usize| rows.row(row).iter().map(&copy_of).collect::<Option<Vec<usize>>>();
-            (0..rows.len()).filter_map(move |row| Some((row, copies(row)?)))
-        };
-        let nearness = branching.nearness(self.piece, |piece| own_rows(piece).next().is_some());
-        let (mut areas, mut found) = (BTreeMap::new(), BTreeMap::new());
-        for (piece, near) in nearness.into_iter().enumerate().filter(|(_, near)| *near > 0.0) {
-            let area = branching.pieces.list[piece].area;
-            let area = if piece == self.piece { area.max(branching.full_area()) } else { area };
-            for (row, copies) in own_rows(piece) {
-                *areas.entry(copies.clone()).or_insert(0.0) += area;
-                let known = found.entry(copies).or_insert((row, near));
-                known.1 = near.max(known.1);
+        let mut around = LeastSquaresRows::new();
+        let Support::Tensor { width } = branching.grid.basis.support() else { return around };
+        let extents: Vec<RowExtent<D>> =
+            (0..rows.len()).map(|row| RowExtent::of(&branching.grid, rows.row(row))).collect();
+        let place_of = |piece: usize| branching.grid.cell_coords(branching.pieces.list[piece].cell);
+        let nearness = branching.nearness(self.piece, |piece| {
+            let place = place_of(piece);
+            extents.iter().any(|extent| extent.fits(&place, width))
+        });
+        let mut copied = Vec::new();
+        for (number, near) in nearness.into_iter().enumerate().filter(|(_, near)| *near > 0.0) {
+            let piece = &branching.pieces.list[number];
+            let area = if number == self.piece { piece.area.max(branching.full_area()) } else { piece.area };
+            let (place, first) = (place_of(number), first_handle_of_cell(&branching.grid, piece.cell));
+            for (row, _) in extents.iter().enumerate().filter(|(_, extent)| extent.fits(&place, width)) {
+                let copies = rows.row(row).iter().map(|entry| piece.copies[branching.slot(entry.0 - first)]);
+                copied.push(CopiedRow::new(row, copies, [area, near]));
             }
         }
-        let mut around = LeastSquaresRows::new();
-        for (copies, share) in branching.shares(areas) {
-            let (row, near) = found[&copies];
-            let coefficients = rows.row(row).iter().map(|entry| entry.1);
-            around.push(rows.weight(row) * share * near, copies.into_iter().zip(coefficients), rows.target(row));
+        for (copied, share) in branching.shares(copied, rows.len()) {
+            let entries = copied.copies().iter().copied().zip(rows.row(copied.row).iter().map(|entry| entry.1));
+            around.push(rows.weight(copied.row) * share * copied.near, entries, rows.target(copied.row));
         }
         around
     }
@@ -138,7 +158,7 @@ fn add_gradient<const D: usize>(
 
 impl<const D: usize> Branching<D> {
     /// Connectedness of each piece with the given one, 0 to 1, #pieces: the value of the widest path, whose width is the smallest
-    /// [`Self::coupling_degree`] of the copies shared by two consecutive pieces. Paths continue only through pieces for which
+    /// [`Self::coupling_degree`] of the copies of handles that act on two consecutive pieces. Paths continue only through pieces for which
     /// `leads_on` is true.
     fn nearness(&self, piece: usize, leads_on: impl Fn(usize) -> bool) -> Vec<f64> {
         let mut nearness = vec![0.0; self.pieces.list.len()];
@@ -153,8 +173,7 @@ impl<const D: usize> Branching<D> {
             if number == piece || leads_on(number) {
                 let adjacent = self.pieces.adjacent_pieces[number].iter();
                 let adjacent = adjacent.filter(|(next, _)| nearness[*next] < near);
-                waiting
-                    .extend(adjacent.map(|(next, copies)| (near.min(self.coupling_degree(copies)).to_bits(), *next)));
+                waiting.extend(adjacent.map(|(next, degree)| (near.min(*degree).to_bits(), *next)));
             }
         }
         nearness

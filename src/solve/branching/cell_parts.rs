@@ -47,8 +47,9 @@ impl<const D: usize> CellParts<D> {
     /// Finds the parts. `cuts` are sorted by triangle.
     pub(super) fn of(grid: &Grid<D>, cuts: &[Cut<D>], adjacency: &Adjacency<D>) -> Self {
         let triangle_count = cuts.last().map_or(0, |cut| cut.triangle + 1);
-        let first_cut = |triangle: usize| cuts.partition_point(|cut| cut.triangle < triangle) as u32;
-        let first_cuts: Vec<u32> = (0..=triangle_count).map(first_cut).collect();
+        let mut first_cuts = vec![0_u32; triangle_count + 1];
+        cuts.iter().for_each(|cut| first_cuts[cut.triangle + 1] += 1);
+        (0..triangle_count).for_each(|triangle| first_cuts[triangle + 1] += first_cuts[triangle]);
         let cuts_of = |triangle: usize| {
             let [first, end] = [*first_cuts.get(triangle)?, *first_cuts.get(triangle + 1)?];
             Some(first as usize..end as usize)
@@ -71,10 +72,16 @@ impl<const D: usize> CellParts<D> {
                 inside[from].push(*link);
                 continue;
             }
+            // A box that has grown to a link contains the start of one across a gap, and a part of an edge.
+            let way = match link.kind {
+                LinkKind::Edge => link.ends,
+                LinkKind::Across => [link.ends[0]; 2],
+            };
+            let around = SupportBox::cells_around(grid, &way);
             let is_placed = match (link.kind, cells) {
                 (LinkKind::Edge, _) => {
                     let mut is_placed = true;
-                    for cell in SupportBox::cells_around(grid, &link.ends) {
+                    for &cell in &around {
                         is_placed &= match SupportBox::of_cell(grid, cell).growth(&link.ends) {
                             growth if growth < -ROUNDING => join(&mut sets, pair_in([cell, cell])),
                             // Each box has to tell whether it meets what only touches the cell.
@@ -90,12 +97,7 @@ impl<const D: usize> CellParts<D> {
                 }
                 (LinkKind::Across, _) => false,
             };
-            // A box that has grown to a link contains the start of one across a gap, and a part of an edge.
-            let way = match link.kind {
-                LinkKind::Edge => link.ends,
-                LinkKind::Across => [link.ends[0]; 2],
-            };
-            SupportBox::cells_around(grid, &way).into_iter().for_each(|cell| between[cell].push(*link));
+            around.into_iter().for_each(|cell| between[cell].push(*link));
             if !is_placed {
                 let own = cuts_of(link.triangles[0]).into_iter().flatten();
                 own.for_each(|cut| on_borders[cuts[cut].cell].push(*link));

@@ -59,6 +59,12 @@ pub(super) fn handles_of_cell<const D: usize>(grid: &Grid<D>, width: usize, cell
     handles
 }
 
+/// The first of the handles that act on a cell.
+pub(super) fn first_handle_of_cell<const D: usize>(grid: &Grid<D>, cell: usize) -> usize {
+    let place = grid.cell_coords(cell);
+    (0..D).rev().fold(0, |handle, axis| handle * grid.dims[axis] + place[axis])
+}
+
 /// Finds all copies. `width` is the number of handles with a non-zero weight at a coordinate.
 pub(super) fn copies<const D: usize>(grid: &Grid<D>, width: usize, cuts: &[Cut<D>], parts: &CellParts<D>) -> Copies {
     let handles_per_cell = width.pow(D as u32);

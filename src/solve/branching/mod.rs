@@ -200,6 +200,17 @@ impl<const D: usize> Branching<D> {
         }
     }
 
+    /// The point of the shape that each pin holds, and its piece.
+    pub(crate) fn snapped_points(&self, pins: &[PointPin<D>]) -> Vec<([f64; D], usize)> {
+        pins.iter().map(|pin| self.snapped_point(pin.at, pin.triangle)).collect()
+    }
+
+    /// The position of a handle among those of a cell, from its distance to the first of them.
+    fn slot(&self, offset: usize) -> usize {
+        let place = self.grid.handle_coords(offset);
+        (0..D).rev().fold(0, |slot, axis| slot * self.width + place[axis])
+    }
+
     /// The name of each copy, #copies.
     pub(crate) fn copy_names(&self) -> Vec<CopyName> {
         self.handles

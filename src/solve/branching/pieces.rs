@@ -3,8 +3,9 @@
 //! In: cuts with their copies. Out: pieces, their adjacency, and the branch of each.
 
 use super::cell_parts::CellParts;
-use super::copies::{Copies, handles_of_cell};
+use super::copies::{Copies, Tie, first_handle_of_cell, handles_of_cell};
 use super::cuts::Cut;
+use super::row_shares::coupling_degree;
 use crate::lattice::Grid;
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -29,8 +30,9 @@ pub(super) struct Pieces {
     pub(super) of_cuts: Vec<usize>,
     /// Pieces of adjacent cells that have the same copies of all handles that act on both, #pieces, ascending.
     pub(super) neighbours: Vec<Vec<usize>>,
-    /// All pieces of adjacent cells, #pieces, each with pairs of the two pieces' copies of the handles that act on both.
-    pub(super) adjacent_pieces: Vec<Vec<(usize, Vec<[usize; 2]>)>>,
+    /// All pieces of adjacent cells, #pieces, ascending, each with the degree to which the two pieces' copies of the handles that act on
+    /// both count as one.
+    pub(super) adjacent_pieces: Vec<Vec<(usize, f64)>>,
 }
 
 impl Pieces {
@@ -53,11 +55,14 @@ impl Pieces {
         }
         let of_cuts: Vec<usize> = parts.of_cuts.iter().map(|&part| of_parts[part as usize]).collect();
         cuts.iter().zip(&of_cuts).for_each(|(cut, &piece)| list[piece].area += cut.area);
-        let adjacent_pieces = adjacent_pieces(grid, width, &list);
-        let is_one = |(_, copies): &&(usize, Vec<[usize; 2]>)| copies.iter().all(|[own, other]| own == other);
-        let neighbours =
-            adjacent_pieces.iter().map(|own| own.iter().filter(is_one).map(|(next, _)| *next).collect()).collect();
-        Self { list, of_cuts, neighbours, adjacent_pieces }
+        let mut pieces = Self {
+            neighbours: vec![Vec::new(); list.len()],
+            adjacent_pieces: vec![Vec::new(); list.len()],
+            list,
+            of_cuts,
+        };
+        pieces.find_adjacent(grid, width, &copies.ties);
+        pieces
     }
 
     /// The pieces of a cell.
@@ -72,6 +77,7 @@ impl Pieces {
         grid: &Grid<D>,
         width: usize,
     ) -> (Vec<usize>, Vec<Vec<Option<usize>>>) {
+        let offsets = handles_of_cell(grid, width, 0);
         let mut branch_of = vec![usize::MAX; self.list.len()];
         let mut branches: Vec<Vec<Option<usize>>> = Vec::new();
         let mut seeds: Vec<usize> = (0..self.list.len()).collect();
@@ -87,46 +93,52 @@ impl Pieces {
                     copies[handle].is_none_or(|known| known == copy)
                 };
                 let Piece { cell, copies: wanted, .. } = &self.list[piece];
-                let handles = handles_of_cell(grid, width, *cell);
-                let all_fit = handles.iter().zip(wanted).all(|(&handle, &copy)| fits(&copies, handle, copy));
+                let first = first_handle_of_cell(grid, *cell);
+                let handles = || offsets.iter().map(|offset| first + offset);
+                let all_fit = handles().zip(wanted).all(|(handle, &copy)| fits(&copies, handle, copy));
                 if branch_of[piece] != usize::MAX || !all_fit {
                     continue;
                 }
                 branch_of[piece] = branches.len();
-                handles.iter().zip(wanted).for_each(|(&handle, &copy)| copies[handle] = Some(copy));
+                handles().zip(wanted).for_each(|(handle, &copy)| copies[handle] = Some(copy));
                 waiting.extend(&self.neighbours[piece]);
             }
             branches.push(copies);
         }
         (branch_of, branches)
     }
-}
 
-/// For each piece, the pieces of adjacent cells, ascending, with pairs of copies of the handles that act on both cells.
-fn adjacent_pieces<const D: usize>(grid: &Grid<D>, width: usize, list: &[Piece]) -> Vec<Vec<(usize, Vec<[usize; 2]>)>> {
-    let mut adjacent = vec![Vec::new(); list.len()];
-    let strides: [usize; D] =
-        std::array::from_fn(|axis| (0..axis).map(|before| grid.basis.spans(grid.dims[before])).product());
-    for (number, piece) in list.iter().enumerate() {
-        let place = grid.cell_coords(piece.cell);
-        let own = handles_of_cell(grid, width, piece.cell);
-        for axis in (0..D).filter(|&axis| place[axis] + 1 < grid.basis.spans(grid.dims[axis])) {
-            let cell = piece.cell + strides[axis];
-            let others = handles_of_cell(grid, width, cell);
-            let slots = own.iter().enumerate();
-            let slots: Vec<[usize; 2]> =
-                slots.filter_map(|(slot, handle)| Some([slot, others.binary_search(handle).ok()?])).collect();
-            let first = list.partition_point(|other| other.cell < cell);
-            for (index, other) in list[first..].iter().take_while(|other| other.cell == cell).enumerate() {
-                let copies = |turn: bool| {
-                    let pair = |&[own, theirs]: &[usize; 2]| [piece.copies[own], other.copies[theirs]];
-                    slots.iter().map(pair).map(|[a, b]| if turn { [b, a] } else { [a, b] }).collect()
-                };
-                adjacent[number].push((first + index, copies(false)));
-                adjacent[first + index].push((number, copies(true)));
+    /// Finds the pieces of adjacent cells.
+    fn find_adjacent<const D: usize>(&mut self, grid: &Grid<D>, width: usize, ties: &[Tie]) {
+        let mut cell_stride = 1;
+        for axis in 0..D {
+            let spans = grid.basis.spans(grid.dims[axis]);
+            // Pairs of positions in a cell and in the next one along the axis, of the handles that act on both.
+            let slot_stride = width.pow(axis as u32);
+            let slots: Vec<[usize; 2]> = (0..width.pow(D as u32))
+                .filter(|slot| !(slot / slot_stride).is_multiple_of(width))
+                .map(|slot| [slot, slot - slot_stride])
+                .collect();
+            for number in 0..self.list.len() {
+                let piece = &self.list[number];
+                if grid.cell_coords(piece.cell)[axis] + 1 == spans {
+                    continue;
+                }
+                for next in self.in_cell(piece.cell + cell_stride) {
+                    let copies = |&[own, theirs]: &[usize; 2]| [piece.copies[own], self.list[next].copies[theirs]];
+                    let is_one = slots.iter().map(copies).all(|[own, theirs]| own == theirs);
+                    let degree = if is_one { 1.0 } else { coupling_degree(ties, slots.iter().map(copies)) };
+                    self.adjacent_pieces[number].push((next, degree));
+                    self.adjacent_pieces[next].push((number, degree));
+                    if is_one {
+                        self.neighbours[number].push(next);
+                        self.neighbours[next].push(number);
+                    }
+                }
             }
+            cell_stride *= spans;
         }
+        self.neighbours.iter_mut().for_each(|own| own.sort_unstable());
+        self.adjacent_pieces.iter_mut().for_each(|own| own.sort_unstable_by_key(|(next, _)| *next));
     }
-    adjacent.iter_mut().for_each(|own| own.sort_unstable_by_key(|(next, _)| *next));
-    adjacent
 }

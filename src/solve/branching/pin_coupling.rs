@@ -36,7 +36,7 @@ impl<const D: usize> Branching<D> {
         let mut overlap = Overlap { copies: 0.0, handles: 0.0, own };
         for (handle, (copy, weight)) in &one {
             if let Some((theirs, other)) = other.get(handle) {
-                overlap.copies += weight * other * self.coupling_degree(&[[*copy, *theirs]]);
+                overlap.copies += weight * other * self.coupling_degree([[*copy, *theirs]].into_iter());
                 overlap.handles += weight * other;
             }
         }

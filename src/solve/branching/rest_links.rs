@@ -7,6 +7,7 @@ use super::disjoint_sets::DisjointSets;
 use super::islands::{Corner, Islands};
 use super::link::{Link, LinkEnd, LinkKind};
 use super::nearest_point::nearest_barycentric;
+use crate::solve::counting_sort::counting_sort_then_by;
 use crate::solve::linalg::small_matrix::distance;
 use crate::solve::merge_duplicates::merge_duplicates;
 use crate::solve::problem::Shape;
@@ -46,7 +47,12 @@ pub(crate) fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u
     for (number, &[a, b, c]) in welded.triangles.iter().enumerate() {
         sides.extend([[a, b], [b, c], [c, a]].map(|[from, to]| ([from.min(to), from.max(to)], number)));
     }
-    sides.sort_unstable();
+    counting_sort_then_by(
+        &mut sides,
+        welded.points.len(),
+        |side| side.0[0] as usize,
+        |a, b| (a.0[1], a.1).cmp(&(b.0[1], b.1)),
+    );
     let mut links = Vec::new();
     for shared in sides.chunk_by(|a, b| a.0 == b.0) {
         let end = |triangle: usize, vertex: u32| {
@@ -63,6 +69,9 @@ pub(crate) fn surface_links<const D: usize>(points: &[[f64; D]], triangles: &[[u
     let mut islands = DisjointSets::of(triangles.len());
     links.iter().for_each(|link| islands.join(link.ends.map(|end| end.triangle as usize)));
     let roots: Vec<usize> = (0..triangles.len()).map(|triangle| islands.root(triangle)).collect();
+    if roots.iter().all(|root| *root == roots[0]) {
+        return links;
+    }
     let bridges = bridges(&welded, islands, radius);
     let contacts = contacts(&welded, &roots, &bridges);
     links.extend(bridges);

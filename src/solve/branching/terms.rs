@@ -2,20 +2,22 @@
 //!
 //! In: a [`Branching`], pins, settings. Out: the distortion, and the rows of pins and regulariser.
 
+use super::Branching;
 use super::around_pin::AroundPin;
-use super::copies::Tie;
-use super::{Branching, handles_of_cell};
+use super::copies::{Tie, first_handle_of_cell, handles_of_cell};
+use super::row_shares::CopiedRow;
 use crate::lattice::Support;
 use crate::solve::barrier::{Barrier, BarrierPart};
 use crate::solve::cancel::Cancel;
+use crate::solve::counting_sort::counting_sort;
 use crate::solve::energy::{Area, Distortion, WithPinNeighbourhoods};
 use crate::solve::least_squares::LeastSquaresRows;
 use crate::solve::pins;
 use crate::solve::problem::{ModelPoint, PointPin, Shape};
-use crate::solve::samples::samples_of_pieces;
+use crate::solve::samples::samples_of_cell;
 use crate::solve::second_differences::SecondDifferences;
 use crate::solve::settings::{Scaling, Settings};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Stiffness of a tie between copies whose support has to grow by half a span, relative to that of the shape.
 const TIE: f64 = 1e-4;
@@ -30,38 +32,42 @@ const CHOICE_EXPONENT: i32 = 16;
 /// Area of a part of the shape, as a fraction of a cell (in space, of a side of a cube as large), from which on its rows have full weight.
 const FULL_FRACTION: f64 = 0.02;
 
+/// Parts of sub-cells with a smaller area, as a fraction of that of the shape, are rounding errors.
+const MIN_SAMPLE_AREA: f64 = 1e-12;
+
 impl<const D: usize> Branching<D> {
-    /// The energy `area` over all branches, with the discs of pins and the ties between copies.
+    /// The energy `area` over all pieces, with the discs of pins and the ties between copies. `snapped`: the point of the shape that
+    /// each pin holds, and its piece.
     pub(crate) fn distortion(
         &self,
         shape: &Shape<D>,
-        pins: &[PointPin<D>],
+        (pins, snapped): (&[PointPin<D>], &[([f64; D], usize)]),
         settings: &Settings,
         cancel: &Cancel,
     ) -> Box<dyn Distortion<D>> {
-        let around: Vec<AroundPin<D>> = pins.iter().map(|pin| AroundPin::of(self, pin)).collect();
-        let area = |branch: usize| {
-            let mut parts = Shape::default();
-            let in_branch = self.pieces.of_cuts.iter().map(|&piece| self.branch_of[piece] == branch);
-            for (cut, _) in self.cuts.iter().zip(in_branch).filter(|(_, is_in)| *is_in) {
-                let base = parts.points.len() as u32;
-                let corners = cut.polygon.corners();
-                parts.points.extend(corners);
-                for k in 2..corners.len() as u32 {
-                    parts.triangles.push([base, base + k - 1, base + k]);
-                    parts.stiffness.push(shape.stiffness_of(cut.triangle));
-                }
+        let around: Vec<AroundPin<D>> =
+            pins.iter().zip(snapped).map(|(pin, &snapped)| AroundPin::of(self, pin, snapped)).collect();
+        let stiff: Vec<&AroundPin<D>> = around.iter().filter(|pin| pin.has_stiff_region()).collect();
+        let mut cuts: Vec<u32> = (0..self.cuts.len() as u32).collect();
+        let piece_of = |cut: &u32| self.pieces.of_cuts[*cut as usize];
+        let ends = counting_sort(&mut cuts, self.pieces.list.len(), piece_of);
+        let least = MIN_SAMPLE_AREA * self.pieces.list.iter().map(|piece| piece.area).sum::<f64>();
+        let (mut samples, mut groups) = (Vec::new(), Vec::with_capacity(ends.len()));
+        for (number, piece) in self.pieces.list.iter().enumerate() {
+            let own = &cuts[if number == 0 { 0 } else { ends[number - 1] }..ends[number]];
+            let polygons = own.iter().map(|&cut| &self.cuts[cut as usize]);
+            let polygons = polygons.map(|cut| (&cut.polygon, shape.stiffness_of(cut.triangle)));
+            let first = samples.len();
+            samples.extend(samples_of_cell(&self.grid, piece.cell, polygons, least));
+            for sample in &mut samples[first..] {
+                stiff.iter().for_each(|pin| sample.stiffness *= pin.stiffness_at(number, sample.at));
             }
-            let mut samples = samples_of_pieces(&self.grid, &parts);
-            // Rounding can move a sliver across the border of its cell.
-            samples.retain(|sample| self.acts_at(branch, sample.at));
-            for pin in &around {
-                samples.iter_mut().for_each(|sample| sample.stiffness *= pin.stiffness_at(branch, sample.at));
+            if samples.len() > first {
+                groups.push((first..samples.len(), &piece.copies[..]));
             }
-            Area::new(&self.grid, &samples, cancel).relabelled(|handle| self.copy(branch, handle))
-        };
-        let shape = Box::new(Area::joined((0..self.branches.len()).map(area)));
-        WithPinNeighbourhoods::over(shape, &self.grid, settings, (&around, self.tie_rows()))
+        }
+        let area = Box::new(Area::over_groups(&self.grid, &samples, &groups, cancel));
+        WithPinNeighbourhoods::over(area, &self.grid, settings, (&around, self.tie_rows()))
     }
 
     /// The barrier over the pieces of all branches.
@@ -74,12 +80,16 @@ impl<const D: usize> Branching<D> {
         Barrier::new(&self.grid, (0..self.branches.len()).map(of).collect(), cancel)
     }
 
-    /// Rows of the pins over copies.
-    pub(crate) fn pin_rows(&self, pins: &[PointPin<D>], settings: &Settings) -> LeastSquaresRows<D> {
+    /// Rows of the pins over copies. `snapped`: the point of the shape that each pin holds, and its piece.
+    pub(crate) fn pin_rows(
+        &self,
+        (pins, snapped): (&[PointPin<D>], &[([f64; D], usize)]),
+        settings: &Settings,
+    ) -> LeastSquaresRows<D> {
         let mut all = LeastSquaresRows::new();
-        for (pin, piece) in pins.iter().map(|pin| self.snapped_pin(pin)) {
+        for (pin, &(at, piece)) in pins.iter().zip(snapped) {
             let mut rows = LeastSquaresRows::new();
-            pins::push_pin(&mut rows, &self.grid, &pin, settings);
+            pins::push_pin(&mut rows, &self.grid, &pin.moved_to(at), settings);
             all.extend(&self.clipped(self.branch_of(piece), &rows));
         }
         all
@@ -102,22 +112,29 @@ impl<const D: usize> Branching<D> {
     pub(crate) fn bend(&self, scaling: Scaling) -> LeastSquaresRows<D> {
         let Support::Tensor { width } = self.grid.basis.support() else { return LeastSquaresRows::new() };
         let mut rows = LeastSquaresRows::new();
-        for kind in SecondDifferences::of(&self.grid) {
-            let mut areas: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+        let offsets = handles_of_cell(&self.grid, width, 0);
+        for kind in SecondDifferences::of(&self.grid).into_iter().filter(SecondDifferences::has_any) {
+            // The positions in a cell of the handles of each difference that fits into it.
+            let slots: Vec<Vec<usize>> = offsets
+                .iter()
+                .map(|&start| kind.entries(start).map(|(handle, _)| offsets.binary_search(&handle).ok()).collect())
+                .collect::<Vec<Option<Vec<usize>>>>()
+                .into_iter()
+                .flatten()
+                .collect();
+            let mut copied = Vec::with_capacity(self.pieces.list.len() * slots.len());
             for piece in &self.pieces.list {
-                let handles = handles_of_cell(&self.grid, width, piece.cell);
-                for &start in &handles {
-                    let places = kind.entries(start).map(|(handle, _)| handles.binary_search(&handle).ok());
-                    if let Some(places) = places.collect::<Option<Vec<usize>>>() {
-                        let copies = places.into_iter().map(|place| piece.copies[place]).collect();
-                        *areas.entry(copies).or_insert(0.0) += piece.area;
-                    }
-                }
+                let first = first_handle_of_cell(&self.grid, piece.cell);
+                copied.extend(slots.iter().map(|slots| {
+                    let copies = slots.iter().map(|&slot| piece.copies[slot]);
+                    CopiedRow::new(first + offsets[slots[0]], copies, [piece.area, 1.0])
+                }));
             }
             let weight = kind.weight(&self.grid, scaling);
             let coefficients: Vec<f64> = kind.entries(0).map(|(_, coefficient)| coefficient).collect();
-            for (copies, share) in self.shares(areas) {
-                rows.push(weight * share, copies.into_iter().zip(coefficients.iter().copied()), [0.0; D]);
+            for (copied, share) in self.shares(copied, self.grid.handle_count()) {
+                let entries = copied.copies().iter().copied().zip(coefficients.iter().copied());
+                rows.push(weight * share, entries, [0.0; D]);
             }
         }
         rows
@@ -167,25 +184,10 @@ impl<const D: usize> Branching<D> {
         rows
     }
 
-    /// Whether a branch has copies of all handles with a non-zero weight at a point.
-    fn acts_at(&self, branch: usize, point: [f64; D]) -> bool {
-        let mut acts = true;
-        self.grid.for_each_weight(point, |term| acts &= self.branches[branch][term.handle].is_some());
-        acts
-    }
-
     /// The area from which on a part of the shape has full weight.
     pub(super) fn full_area(&self) -> f64 {
         let size: f64 = (0..D).map(|axis| self.grid.spacing(axis)).product();
         FULL_FRACTION * size.powf(2.0 / D as f64)
-    }
-
-    /// The copy of a handle in a branch.
-    ///
-    /// # Panics
-    /// If the branch has no copy of it.
-    fn copy(&self, branch: usize, handle: usize) -> usize {
-        self.branches[branch][handle].expect("a branch has copies of all handles over its pieces")
     }
 
     /// Converts rows over handles to rows over copies. A handle without a copy has a weight within rounding error of 0.

@@ -9,7 +9,7 @@ use super::rotation_hessian::SubtractRotationHessian;
 use super::rotation_response::RotationResponse;
 use super::sample_tasks::tasks;
 use crate::lattice::Grid;
-use crate::solve::blocked_weights::{Block, BlockedWeights, gather_group, local_handles};
+use crate::solve::blocked_weights::{Block, BlockedWeights, RowGroup, gather_group, local_handles};
 use crate::solve::cancel::{Cancel, WorkMeter};
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
@@ -37,39 +37,25 @@ pub(crate) struct Area<const D: usize> {
 impl<const D: usize> Area<D> {
     pub(crate) fn new(grid: &Grid<D>, samples: &[Sample<D>], cancel: &Cancel) -> Self {
         let points: Vec<[f64; D]> = samples.iter().map(|sample| sample.at).collect();
-        let gradients = BlockedWeights::new(grid, &points, |_, gradient| *gradient, cancel);
+        Self::of(BlockedWeights::new(grid, &points, |_, gradient| *gradient, cancel), samples)
+    }
+
+    /// The energy at samples in groups, each of which lies in one cell of a tensor basis and has its own unknowns in place of the cell's
+    /// handles.
+    pub(crate) fn over_groups(grid: &Grid<D>, samples: &[Sample<D>], groups: &[RowGroup], cancel: &Cancel) -> Self {
+        let points: Vec<[f64; D]> = samples.iter().map(|sample| sample.at).collect();
+        Self::of(BlockedWeights::grouped(grid, (&points, groups), |_, gradient| *gradient, cancel), samples)
+    }
+
+    fn of(gradients: BlockedWeights<D>, samples: &[Sample<D>]) -> Self {
         let lanes = |of: fn(&Sample<D>) -> f64| -> Vec<Lanes> {
             let of_row = |row: usize| samples.get(row).map_or(0.0, of);
             gradients.order.iter().map(|rows| rows.map(of_row)).collect()
         };
         let (areas, plain_areas) = (lanes(|sample| sample.area * sample.stiffness), lanes(|sample| sample.area));
         let total = samples.iter().map(|sample| sample.area).sum();
-        Self { gradients, areas, plain_areas, total, tasks: Vec::new() }.with_tasks()
-    }
-
-    /// Divides the blocks into tasks.
-    fn with_tasks(mut self) -> Self {
-        self.tasks = if D == 3 { tasks(&self.gradients.blocks) } else { Vec::new() };
-        self
-    }
-
-    /// Replaces the handle indices by those of other unknowns, in the same order.
-    pub(crate) fn relabelled(mut self, unknown_of: impl Fn(usize) -> usize) -> Self {
-        self.gradients.relabel(unknown_of);
-        self.with_tasks()
-    }
-
-    /// Joins several energies into their sum.
-    pub(crate) fn joined(parts: impl IntoIterator<Item = Self>) -> Self {
-        let mut parts = parts.into_iter();
-        let mut joined = parts.next().expect("there is a first part");
-        for part in parts {
-            joined.gradients.append(part.gradients);
-            joined.areas.extend(part.areas);
-            joined.plain_areas.extend(part.plain_areas);
-            joined.total += part.total;
-        }
-        joined.with_tasks()
+        let tasks = if D == 3 { tasks(&gradients.blocks) } else { Vec::new() };
+        Self { gradients, areas, plain_areas, total, tasks }
     }
 
     /// Gradients at all samples, packet by packet, as [row][column][lane].

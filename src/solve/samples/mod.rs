@@ -38,10 +38,20 @@ pub(crate) fn subcell_samples<const D: usize>(grid: &Grid<D>, shape: &Shape<D>) 
     if samples.is_empty() { even_samples(grid) } else { samples }
 }
 
-/// Same as [`subcell_samples`] for parts of a shape, which may lie outside the box and then get no samples; no sample leaves its
-/// sub-cell.
-pub(crate) fn samples_of_pieces<const D: usize>(grid: &Grid<D>, pieces: &Shape<D>) -> Vec<Sample<D>> {
-    Subcells::of(grid, pieces).samples_inside()
+/// Same as [`subcell_samples`] for polygons in one cell of the grid, each with its stiffness. They may lie outside the box and then get
+/// no samples; no sample leaves its sub-cell. Areas of at most `least` in a sub-cell are ignored.
+pub(crate) fn samples_of_cell<'a, const D: usize>(
+    grid: &Grid<D>,
+    cell: usize,
+    polygons: impl Iterator<Item = (&'a Polygon<D>, f64)>,
+    least: f64,
+) -> Vec<Sample<D>> {
+    let mut samples = Subcells::in_cell(grid, cell, polygons).samples_inside(least);
+    // Rounding can move a sliver across the border of its cell.
+    let own = grid.cell_coords(cell);
+    let first = (0..D).map(|axis| own[axis] * grid.stride(axis)).sum::<usize>();
+    samples.retain(|sample| grid.support(sample.at) == [first, 0]);
+    samples
 }
 
 /// Returns the centres of all sub-cells, with a total area of 1.

@@ -150,6 +150,26 @@ impl<const D: usize> Subcells<D> {
         total
     }
 
+    /// Distributes polygons in a cell of a grid, each with its stiffness, over the sub-cells of that cell.
+    pub(super) fn in_cell<'a>(
+        grid: &Grid<D>,
+        cell: usize,
+        polygons: impl Iterator<Item = (&'a Polygon<D>, f64)>,
+    ) -> Self {
+        let whole = Layout::of(grid);
+        let place = grid.cell_coords(cell);
+        let dims = std::array::from_fn(|axis| whole.dims[axis] / grid.basis.spans(grid.dims[axis]));
+        let lo = std::array::from_fn(|axis| grid.lo[axis] + place[axis] as f64 * grid.spacing(axis));
+        let layout = Layout { dims, lo, ..whole };
+        let mut own = Self { layout, cells: vec![Moments::NONE; layout.count()], stiffness: 1.0 };
+        for (polygon, stiffness) in polygons {
+            own.stiffness = stiffness;
+            let corners = polygon.corners();
+            (2..corners.len()).for_each(|k| own.add_triangle([corners[0], corners[k - 1], corners[k]]));
+        }
+        own
+    }
+
     fn add_triangle(&mut self, corners: [[f64; D]; 3]) {
         let mut place = [0; D];
         for axis in 0..D {
@@ -203,9 +223,9 @@ impl<const D: usize> Subcells<D> {
     }
 
     /// Returns the samples, each pair moved together until both lie inside their sub-cell. Samples that match the covariance
-    /// leave the sub-cell where the model lies at two ends of it.
-    pub(super) fn samples_inside(&self) -> Vec<Sample<D>> {
-        let mut samples = self.samples();
+    /// leave the sub-cell where the model lies at two ends of it. Sub-cells with an area of at most `least` are left out.
+    pub(super) fn samples_inside(&self, least: f64) -> Vec<Sample<D>> {
+        let mut samples = self.samples_above(least);
         for pair in samples.chunks_exact_mut(2) {
             let middle: [f64; D] = std::array::from_fn(|axis| f64::midpoint(pair[0].at[axis], pair[1].at[axis]));
             let mut share: f64 = 1.0;
@@ -229,7 +249,11 @@ impl<const D: usize> Subcells<D> {
     pub(super) fn samples(&self) -> Vec<Sample<D>> {
         let total: f64 = self.cells.iter().map(|cell| cell.area).sum();
         // Areas at a border that are only rounding errors are ignored.
-        let least = 1e-12 * total;
+        self.samples_above(1e-12 * total)
+    }
+
+    /// Returns the samples of all sub-cells with a larger area, in cell order.
+    fn samples_above(&self, least: f64) -> Vec<Sample<D>> {
         let mut samples = Vec::new();
         for (number, cell) in self.cells.iter().enumerate() {
             if cell.area > least {
@@ -303,6 +327,23 @@ mod tests {
             let side = |from: f64| ((from + 5.0).min(1.0) - from.max(0.0)).max(0.0);
             prop_assert!((found - side(x) * side(y)).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn samples_of_a_polygon_in_a_cell_have_its_moments_and_stay_in_the_cell() {
+        let corners = [[0.35, 0.55], [0.6, 0.6], [0.4, 0.95]];
+        let polygon = Polygon::triangle(corners);
+        // The middle cell of the upper row.
+        let cells = Subcells::in_cell(&grid(), 4, [(&polygon, 2.0)].into_iter());
+        let wanted = moments_of(dense(&Shape::of_triangles(corners.to_vec(), vec![[0, 1, 2]])));
+        let found = moments_of(cells.samples_above(0.0).into_iter());
+        assert!(found.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 1e-12), "{found:?} {wanted:?}");
+        let inside = cells.samples_inside(0.0);
+        let found = moments_of(inside.iter().copied());
+        assert!((0..3).all(|k| (found[k] - wanted[k]).abs() < 1e-12), "{found:?} {wanted:?}");
+        assert!(inside.iter().all(|Sample { at: [x, y], stiffness, .. }| {
+            (1.0 / 3.0..2.0 / 3.0).contains(x) && (0.5..1.0).contains(y) && *stiffness == 2.0
+        }));
     }
 
     #[test]
