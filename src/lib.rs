@@ -66,3 +66,11 @@ pub mod ofx;
 
 #[cfg(feature = "python")]
 mod python;
+
+/// Tests outside `src/` name the crate as its users do.
+#[cfg(test)]
+extern crate self as pinwarp;
+
+#[cfg(test)]
+#[path = "../tests/internal.rs"]
+mod internal;

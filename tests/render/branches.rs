@@ -1,7 +1,7 @@
 //! Branching lattices over a model: legs that cross on the screen stay apart, steadily.
 
-use crate::assets::asset;
-use crate::support::Studio;
+use super::assets::asset;
+use super::support::Studio;
 use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample, lattices, report};
 use pinwarp::shot::Shot;
 use std::collections::BTreeMap;
