@@ -56,7 +56,7 @@ pub mod pipeline;
 pub mod live;
 
 #[cfg(feature = "editor")]
-pub mod edit;
+mod edit;
 
 #[cfg(feature = "cli")]
 pub mod cli;

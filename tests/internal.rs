@@ -10,15 +10,27 @@ mod barrier;
 mod branching;
 #[path = "branching_in_time.rs"]
 mod branching_in_time;
+#[path = "close_pins.rs"]
+mod close_pins;
 #[path = "cpu_mattes.rs"]
 mod cpu_mattes;
+#[path = "cpu_raster.rs"]
+mod cpu_raster;
+#[path = "cpu_textures.rs"]
+mod cpu_textures;
+#[path = "drags.rs"]
+mod drags;
 #[cfg(feature = "editor")]
 #[path = "edit/main.rs"]
 mod edit;
 #[path = "geometry.rs"]
 mod geometry;
+#[path = "guard.rs"]
+mod guard;
 #[path = "image/main.rs"]
 mod image;
+#[path = "literal/main.rs"]
+mod literal;
 #[path = "live/main.rs"]
 mod live;
 #[path = "minima.rs"]
@@ -31,6 +43,8 @@ mod plate;
 mod quality;
 #[path = "render/main.rs"]
 mod render;
+#[path = "robust.rs"]
+mod robust;
 #[path = "scene.rs"]
 mod scene;
 #[path = "shot/main.rs"]
@@ -45,3 +59,5 @@ mod space;
 mod trajectories;
 #[path = "vulkan.rs"]
 mod vulkan;
+#[path = "whole/main.rs"]
+mod whole;

@@ -19,7 +19,7 @@ impl Frame {
 
     /// Crops the data window to the smallest one that contains every non-empty sample; area 0 if there are none.
     #[must_use]
-    pub fn crop_to_covered(self) -> Self {
+    pub(crate) fn crop_to_covered(self) -> Self {
         let covered = self.covered_window();
         if covered == self.data_window {
             return self;

@@ -28,7 +28,7 @@ pub struct Piece<'a> {
 /// # Errors
 /// [`LiveError::Aborted`]; [`LiveError::Planes`] if planes do not match their windows, or the number of planes of the
 /// background differs from that of the source.
-pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
+pub(crate) fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     let planes = Mutex::new(vec![vec![0.0; job.window.area()]; job.source.planes.len()]);
     render_pieces(warp, job, |piece| {
         let mut planes = planes.lock().unwrap_or_else(PoisonError::into_inner);

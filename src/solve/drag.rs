@@ -80,7 +80,8 @@ impl<const D: usize> Solver<D> {
     ///
     /// # Errors
     /// [`SolveError`] if the solution belongs to another solver.
-    pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
+    #[cfg(test)]
+    pub(crate) fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
         let own = |branches: &BranchedLattice<D>| {
             self.system().has_pieces_of(branches) || self.box_rotation().has_pieces_of(branches)
         };
@@ -142,7 +143,7 @@ impl<const D: usize> Drag<'_, D> {
 
     /// Branches after the last move; `None` where the lattice of the solver is plain.
     #[must_use]
-    pub fn branches(&self) -> Option<BranchedLattice<D>> {
+    pub(crate) fn branches(&self) -> Option<BranchedLattice<D>> {
         let upright = self.solver.system().branches(&self.handles)?;
         Some(self.solver.box_rotation().branches(upright))
     }

@@ -4,7 +4,7 @@ use super::endurance::{Endurance, resident_bytes};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Names the seconds of [`a_long_session`]. An hour: `PINWARP_SOAK_SECS=3600 cargo test --release --test edit -- --ignored
+/// Names the seconds of [`a_long_session`]. An hour: `PINWARP_SOAK_SECS=3600 cargo test --release --lib -- --ignored
 /// a_long_session --nocapture`.
 const SECS: &str = "PINWARP_SOAK_SECS";
 

@@ -14,7 +14,7 @@ pub struct MatteId(u32);
 
 impl MatteId {
     /// No object.
-    pub const NOTHING: Self = Self(0);
+    pub(crate) const NOTHING: Self = Self(0);
 
     /// Returns the id of a name. If all bits of the exponent are equal, its lowest is flipped (section "Floating point
     /// conversion"), so that no program mistakes the id for infinity or zero.
@@ -33,7 +33,7 @@ impl MatteId {
 
     /// Returns the sample that represents the id.
     #[must_use]
-    pub const fn sample(self) -> f32 {
+    pub(crate) const fn sample(self) -> f32 {
         f32::from_bits(self.0)
     }
 
