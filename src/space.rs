@@ -63,7 +63,7 @@ impl ScreenPoint {
 impl ScreenVector {
     /// Creates the displacement (x, y), in frame heights.
     #[must_use]
-    pub(crate) const fn new(x: f64, y: f64) -> Self {
+    pub const fn new(x: f64, y: f64) -> Self {
         Self(DVec2::new(x, y))
     }
 }

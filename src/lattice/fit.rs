@@ -23,7 +23,7 @@ const PULL: f64 = 1e-5;
 
 /// A lattice fitted to a map.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Fitted<const D: usize> {
+pub struct Fitted<const D: usize> {
     /// The lattice.
     pub lattice: Lattice<D>,
     /// Largest distance between the images of a point under lattice and map, over probes in the whole box, in units of the space.
@@ -45,7 +45,7 @@ impl<const D: usize> Lattice<D> {
     ///
     /// # Errors
     /// [`LatticeError`] if the dims are invalid for the basis.
-    pub(crate) fn resized(&self, dims: [usize; D], basis: Basis) -> Result<Fitted<D>, LatticeError> {
+    pub fn resized(&self, dims: [usize; D], basis: Basis) -> Result<Fitted<D>, LatticeError> {
         let grid = Grid { dims, basis, ..self.grid.clone() };
         grid.check()?;
         let is_raised = (0..D).all(|axis| dims[axis] >= self.grid.dims[axis]);

@@ -546,14 +546,14 @@ pub struct Output {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PinTargets {
     /// One per pin.
-    pub(crate) pins: Vec<PinTarget>,
+    pub pins: Vec<PinTarget>,
     /// One per handle: offset in box sizes along its axes (in screen space the third component is 0), strength applied.
     pub handles: Vec<[f64; 3]>,
 }
 
 /// The target of one pin at one time, with strength and step applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PinTarget {
+pub struct PinTarget {
     /// Offset (in the pin's unit) or absolute target. Strength scales offsets; for targets the pipeline applies it:
     /// anchor + strength·(target − anchor).
     pub goal: Goal,

@@ -10,12 +10,12 @@ pub struct MatteLayer<K> {
     /// Name, as in the manifest: `CryptoObject`, `ViewLayer.CryptoObject`.
     pub name: String,
     /// Channels of the ranks, in rank order.
-    pub(crate) ranks: Vec<RankChannels<K>>,
+    pub ranks: Vec<RankChannels<K>>,
 }
 
 /// The two channels of a rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct RankChannels<K> {
+pub struct RankChannels<K> {
     /// Channel of ids.
     pub id: K,
     /// Channel of coverage, 0 to 1.

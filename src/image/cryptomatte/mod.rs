@@ -17,10 +17,8 @@ mod side;
 
 pub use hash::MatteId;
 pub use header::MatteHeader;
-#[cfg(test)]
-pub(crate) use layer::RankChannels;
 pub(crate) use layer::rank_channel_names;
-pub use layer::{MatteLayer, matte_layers};
+pub use layer::{MatteLayer, RankChannels, matte_layers};
 pub(crate) use manifest::clean_name;
 pub use manifest::{Manifest, Selection};
 pub(crate) use ranks::Coverage;
