@@ -6,7 +6,7 @@ use super::{Channel, EMPTY_DEPTH, Frame, Storage};
 use crate::space::PixelRect;
 
 impl Frame {
-    /// Creates an empty frame: depth channels at [`super::EMPTY_DEPTH`], all others 0. Square pixels.
+    /// Creates an empty frame: depth channels at 1e10, all others 0. Square pixels.
     #[must_use]
     pub fn blank(display: PixelRect, data_window: PixelRect, channels: &[(&str, Storage)]) -> Self {
         let channels = channels.iter().map(|&(name, storage)| {

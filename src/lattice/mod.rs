@@ -21,7 +21,6 @@ pub use basis::Basis;
 pub(crate) use basis::Support;
 pub use display::DisplayWarp;
 pub use error::LatticeError;
-pub use fit::Fitted;
 pub(crate) use folds::Folds;
 pub use grid::{Grid, Lattice, ScreenLattice};
 pub use scene_lattice::{BoxFrame, SceneLattice};

@@ -1,7 +1,7 @@
 //! Warps one picture at one time from plain parameters; the engine's interface for hosts (the OpenFX plugin, an editor).
 //!
-//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`] with its overlay and quality report; pixels ([`render`]),
-//! regions, STMaps ([`stmap`]). All functions are thread-safe and deterministic. Results are cached by content for the whole process (see
+//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`] with its overlay and quality report; pixels ([`render_pieces`]),
+//! regions, STMaps. All functions are thread-safe and deterministic. Results are cached by content for the whole process (see
 //! `process_cache.rs`), so hosts may recreate their instances for every frame.
 
 mod alpha_region;

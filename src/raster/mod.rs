@@ -65,7 +65,7 @@ pub struct Draw {
     pub layer_id: u32,
     /// 1 + index of the node in the scene.
     pub object_id: u32,
-    /// Ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; [`MatteId::NOTHING`]: no coverage there.
+    /// Ids in the Cryptomattes: of its node, material and layer; 0: no coverage there.
     pub mattes: [MatteId; MATTE_LAYERS.len()],
     /// Whether the node mirrors the part, so that front faces are clockwise.
     pub is_mirrored: bool,

@@ -455,9 +455,9 @@ pub struct PinKey {
     pub frame: f64,
     /// Its goal.
     pub goal: Goal,
-    /// Rotation in degrees; `None`: unconstrained, or in [`Pin::rotate_keys`].
+    /// Rotation in degrees; `None`: unconstrained, or in `rotate_keys`.
     pub rotate_degrees: Option<Rotation>,
-    /// Scale; `None`: unconstrained, or in [`Pin::scale_keys`].
+    /// Scale; `None`: unconstrained, or in `scale_keys`.
     pub scale: Option<f64>,
     /// Easing of the segment that starts at this key.
     pub(crate) ease: Ease,

@@ -121,7 +121,7 @@ impl<'a, const D: usize> CancellableSolver<'a, D> {
 impl<const D: usize> Drag<'_, D> {
     /// Moves pins and handles to new targets in a few steps, without a report. Pins reach their targets at once; the shape
     /// follows in the same move or, after a jump, within a few moves (docs/METHOD.md, "Convergence", gives the lag). Returns the
-    /// largest branch of a lattice that branches; [`Self::branches`] returns all of them.
+    /// largest branch of a lattice that branches.
     ///
     /// # Errors
     /// Those of [`Solver::update`].
