@@ -56,7 +56,7 @@ pub mod pipeline;
 pub mod live;
 
 #[cfg(feature = "editor")]
-pub mod edit;
+mod edit;
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -66,3 +66,11 @@ pub mod ofx;
 
 #[cfg(feature = "python")]
 mod python;
+
+/// Tests outside `src/` name the crate as its users do.
+#[cfg(test)]
+extern crate self as pinwarp;
+
+#[cfg(test)]
+#[path = "../tests/internal.rs"]
+mod internal;

@@ -30,31 +30,36 @@ mod viewer;
 mod error;
 
 pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
-pub use draw::jerk::JerkMeter;
+pub(crate) use draw::jerk::JerkMeter;
 pub(crate) use draw::passes::{PassPlan, plan_passes};
 pub use draw::report::report;
 pub use error::PipelineError;
 pub(crate) use evaluate::screen_layer::{LayerSolver, LayerTask};
-pub use evaluate::time_sample::{LayerState, PinState, ScenePin, TimeSample, WorldSolution};
+pub use evaluate::time_sample::{LayerState, TimeSample, WorldSolution};
+pub(crate) use evaluate::time_sample::{PinState, ScenePin};
 pub(crate) use evaluate::topology::branching_key;
-pub use interchange::bake::BakeTimes;
+pub(crate) use interchange::bake::BakeTimes;
 pub use interchange::lattice_tracks::lattices;
-pub use interchange::layer_problem::{LayerProblem, layer_problem};
+pub(crate) use interchange::layer_problem::layer_problem;
 pub(crate) use interchange::registration::layer_shape;
 pub use interchange::registration::{Registration, picture_shape, register};
 pub(crate) use plates::Silhouette;
 pub use plates::{PlateWarp, SurfaceMaps, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
-pub use prepare::anchors::{PinAnchor, RestPoint};
+pub use prepare::anchors::PinAnchor;
+pub(crate) use prepare::anchors::RestPoint;
 pub(crate) use prepare::branch_lattices::lattices_of_file;
 pub use prepare::layer_assignment::LayerAssignment;
 pub use prepare::prepared_shot::PreparedShot;
-pub use prepare::selection::SharedPart;
 #[cfg(feature = "cli")]
 pub(crate) use run::contents::digest_with;
-pub use run::events::{Event, FrameReport, Jerk, LayerReport, Redone, Summary};
-pub use run::options::{Existing, RenderOptions};
+pub use run::events::{Event, FrameReport, Redone, Summary};
+pub(crate) use run::events::{Jerk, LayerReport};
+pub use run::options::Existing;
+pub use run::options::RenderOptions;
 pub(crate) use run::output::input_files;
-pub use run::render::{render, render_on};
+pub use run::render::render;
+#[cfg(test)]
+pub(crate) use run::render::render_on;
 #[cfg(feature = "cli")]
 pub(crate) use run::resume::{Todo, refuse_existing};
 #[cfg(feature = "cli")]
@@ -64,13 +69,13 @@ pub(crate) use trajectories::solve_ahead::solve_before_frames;
 pub(crate) use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
 pub(crate) use trajectories::trajectory_files::Keeping;
 pub(crate) use viewer::brush_point::{BrushPoint, PaintedPlace};
-pub use viewer::layer_marks::{LayerMarks, PinMark};
+pub(crate) use viewer::layer_marks::{LayerMarks, PinMark};
 pub(crate) use viewer::layer_marks::{layer_marks, resting_marks};
 pub(crate) use viewer::new_shot::{NewShot, new_shot, path_between};
-pub use viewer::open_shot::{OpenShot, Rework};
+pub(crate) use viewer::open_shot::{OpenShot, Rework};
 pub(crate) use viewer::picked_point::PickedPoint;
 pub(crate) use viewer::problem_shot::{ProblemShot, problem_shot};
-pub use viewer::stiff_triangles::StiffTriangle;
+pub(crate) use viewer::stiff_triangles::StiffTriangle;
 pub(crate) use viewer::still::Device;
 #[cfg(feature = "editor")]
 pub(crate) use viewer::warped_still::WarpedStill;

@@ -104,7 +104,7 @@ pub struct ScreenBox {
 impl ScreenBox {
     /// Creates the box with the given corners, in frame heights.
     #[must_use]
-    pub const fn new(min: ScreenPoint, max: ScreenPoint) -> Self {
+    pub(crate) const fn new(min: ScreenPoint, max: ScreenPoint) -> Self {
         Self { min, max }
     }
 
@@ -130,7 +130,7 @@ impl ScreenBox {
 
     /// Returns width and height, in frame heights.
     #[must_use]
-    pub fn size(self) -> DVec2 {
+    pub(crate) fn size(self) -> DVec2 {
         self.max.0 - self.min.0
     }
 
@@ -143,7 +143,7 @@ impl ScreenBox {
 
 /// A box of the screen that is rotated about its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RotatedBox {
+pub(crate) struct RotatedBox {
     /// The box before its rotation.
     pub upright: ScreenBox,
     /// Angle in radians, counter-clockwise.

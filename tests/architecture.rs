@@ -320,6 +320,29 @@ fn files_stay_small() {
     }
 }
 
+/// Files of tests that neither Cargo.toml nor `tests/internal.rs` names.
+fn unlisted(files: &[String], cargo: &str, internal: &str) -> Vec<String> {
+    let is_root = |file: &&String| {
+        let rest = file.strip_prefix("tests/").unwrap_or(file);
+        rest != "internal.rs" && (!rest.contains('/') || rest.matches('/').count() == 1 && rest.ends_with("/main.rs"))
+    };
+    let is_listed = |file: &String| {
+        let in_tests = file.strip_prefix("tests/").unwrap_or(file);
+        cargo.contains(&format!("path = \"{file}\"")) || internal.contains(&format!("#[path = \"{in_tests}\"]"))
+    };
+    files.iter().filter(is_root).filter(|file| !is_listed(file)).cloned().collect()
+}
+
+#[test]
+fn every_test_file_is_listed() {
+    let [cargo, internal] =
+        ["Cargo.toml", "tests/internal.rs"].map(|file| fs::read_to_string(root().join(file)).expect("readable"));
+    let files: Vec<String> = sources("tests").into_iter().map(|(file, _)| file).collect();
+    assert_eq!(unlisted(&files, &cargo, &internal), [""; 0], "tests that no crate includes");
+    let files = ["tests/a.rs", "tests/b/main.rs", "tests/b/c.rs", "tests/d.rs"].map(str::to_owned);
+    assert_eq!(unlisted(&files, "path = \"tests/a.rs\"", "#[path = \"b/main.rs\"]"), ["tests/d.rs"]);
+}
+
 /// Paths in backticks that look like files of the repository.
 fn paths_in(text: &str) -> Vec<&str> {
     let is_path = |word: &&str| {

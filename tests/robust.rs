@@ -1,6 +1,6 @@
 //! What real models and hands do to a solver: thousands of poses, trembling vertices, boxes that are mostly empty, twists.
 //!
-//! Seeds are fixed. `cargo test --test robust -- --ignored` runs all 10,000 poses.
+//! Seeds are fixed. `cargo test --lib -- --ignored robust::` runs all 10,000 poses.
 
 #[path = "support/figure.rs"]
 mod figure;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// A change of a text, with a label for the user.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Command {
+pub(crate) struct Command {
     /// A short description, such as "Move pin".
     pub(crate) label: String,
     /// Byte offset of the first difference.
@@ -23,16 +23,8 @@ pub struct Command {
 
 impl Command {
     /// Returns the command that turns one text into another; `None` if they are equal.
-    ///
-    /// ```
-    /// use pinwarp::edit::Command;
-    /// let command = Command::between("Raise", "x = 1\ny = 2\n", "x = 3\ny = 2\n").expect("they differ");
-    /// assert_eq!(command.apply("x = 1\ny = 2\n").as_deref(), Some("x = 3\ny = 2\n"));
-    /// assert_eq!(command.undo("x = 3\ny = 2\n").as_deref(), Some("x = 1\ny = 2\n"));
-    /// assert_eq!(command.apply("another text"), None);
-    /// ```
     #[must_use]
-    pub fn between(label: &str, before: &str, after: &str) -> Option<Self> {
+    pub(crate) fn between(label: &str, before: &str, after: &str) -> Option<Self> {
         if before == after {
             return None;
         }
@@ -61,27 +53,20 @@ impl Command {
 
     /// Returns the text after the change; `None` if `text` is not the text before it.
     #[must_use]
-    pub fn apply(&self, text: &str) -> Option<String> {
+    pub(crate) fn apply(&self, text: &str) -> Option<String> {
         replaced(text, self.at, (&self.removed, &self.inserted))
     }
 
     /// Returns the text before the change; `None` if `text` is not the text after it.
     #[must_use]
-    pub fn undo(&self, text: &str) -> Option<String> {
+    pub(crate) fn undo(&self, text: &str) -> Option<String> {
         replaced(text, self.at, (&self.inserted, &self.removed))
     }
 }
 
 /// Returns a text with the changes of two others; `None` if they change the same place, or places that touch.
-///
-/// ```
-/// use pinwarp::edit::merged;
-/// let base = "x = 1\ny = 2\nz = 3\n";
-/// assert_eq!(merged(base, "x = 9\ny = 2\nz = 3\n", "x = 1\ny = 2\nz = 8\n").as_deref(), Some("x = 9\ny = 2\nz = 8\n"));
-/// assert_eq!(merged(base, "x = 9\ny = 2\nz = 3\n", "x = 8\ny = 2\nz = 3\n"), None);
-/// ```
 #[must_use]
-pub fn merged(base: &str, one: &str, other: &str) -> Option<String> {
+pub(crate) fn merged(base: &str, one: &str, other: &str) -> Option<String> {
     let (Some(a), Some(b)) = (Command::between("", base, one), Command::between("", base, other)) else {
         return Some(if base == one { other } else { one }.to_owned());
     };
@@ -99,7 +84,7 @@ fn replaced(text: &str, at: usize, (old, new): (&str, &str)) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::Command;
+    use super::{Command, merged};
 
     #[test]
     fn changes_of_any_kind_go_there_and_back() {
@@ -115,5 +100,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_command_applies_to_its_own_text_alone() {
+        let command = Command::between("Raise", "x = 1\ny = 2\n", "x = 3\ny = 2\n").expect("they differ");
+        assert_eq!(command.apply("x = 1\ny = 2\n").as_deref(), Some("x = 3\ny = 2\n"));
+        assert_eq!(command.undo("x = 3\ny = 2\n").as_deref(), Some("x = 1\ny = 2\n"));
+        assert_eq!(command.apply("another text"), None);
+    }
+
+    #[test]
+    fn changes_of_the_same_line_do_not_merge() {
+        let base = "x = 1\ny = 2\nz = 3\n";
+        assert_eq!(
+            merged(base, "x = 9\ny = 2\nz = 3\n", "x = 1\ny = 2\nz = 8\n").as_deref(),
+            Some("x = 9\ny = 2\nz = 8\n")
+        );
+        assert_eq!(merged(base, "x = 9\ny = 2\nz = 3\n", "x = 8\ny = 2\nz = 3\n"), None);
     }
 }

@@ -12,7 +12,7 @@ use glam::DVec2;
 
 /// An animated value of a pin or handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Channel {
+pub(crate) enum Channel {
     /// The target's x: rightwards, in pixels; of keys in the scene, in their own unit; of handles, and of pins whose
     /// unit is the box, in per cent of the lattice's box.
     X,
@@ -255,7 +255,7 @@ pub(in crate::edit) fn has_channel(shot: &Shot, track: Track, channel: Channel) 
 
 /// One Bézier handle of a curve at a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tangent {
+pub(crate) struct Tangent {
     /// Time of the key that holds the ease.
     pub key: f64,
     /// 0: the outgoing handle of that key; 1: the incoming handle of the next key.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// An edit, file or frame that failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum EditError {
+pub(crate) enum EditError {
     /// The edited shot file would be invalid.
     #[error(transparent)]
     Shot(#[from] ShotError),

@@ -6,7 +6,7 @@ use super::command::Command;
 
 /// Executed and undone commands.
 #[derive(Clone, Debug, Default)]
-pub struct History {
+pub(crate) struct History {
     done: Vec<Command>,
     undone: Vec<Command>,
     /// The series that the last command belongs to, if it may be extended: nudges or typed digits of one kind.
@@ -88,7 +88,7 @@ impl History {
     }
 
     /// Returns the labels of all executed commands, oldest first.
-    pub fn labels(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn labels(&self) -> impl Iterator<Item = &str> {
         self.done.iter().map(|command| command.label.as_str())
     }
 }

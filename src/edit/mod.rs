@@ -38,31 +38,25 @@ mod view_settings;
 mod worker;
 mod zoom;
 
-pub mod ui;
+pub(crate) mod ui;
 
 pub(crate) use axis_ring::AxisRing;
-pub use command::{Command, merged};
-pub use curve::{Channel, Tangent};
-pub use document::{DiskChange, Document};
+pub(crate) use curve::{Channel, Tangent};
+pub(crate) use document::{DiskChange, Document};
 pub(crate) use dropped::Dropped;
-pub use error::EditError;
+pub(crate) use error::EditError;
 pub(crate) use export_order::{EXPORTS, ExportOrder};
-pub use history::History;
-pub use open::open;
-pub use picture::{Picture, Quality};
+pub(crate) use open::open;
+pub(crate) use picture::{Picture, Quality};
 pub(crate) use playhead::Pace;
-pub use playhead::Playhead;
 pub(crate) use reference::Reference;
 pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, Onion, Wipe};
-pub use session::{
-    Brush, EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Selection, Session, Shown,
-};
-pub use shortcuts::Action;
+pub(crate) use session::{EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Session, Shown};
+pub(crate) use shortcuts::Action;
 pub(crate) use shortcuts::{Chord, Shortcuts};
 pub(crate) use tour::Tour;
 pub(crate) use track::AutoKey;
-pub use track_keys::Track;
+pub(crate) use track_keys::Track;
 pub(crate) use unfinished::{Unfinished, forget, unfinished};
 pub(crate) use view_settings::{Brightness, PanelSizes, ViewSettings};
-pub use worker::SolvedFrame;
-pub use zoom::{Lens, Zoom};
+pub(crate) use zoom::{Lens, Zoom};

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// [`EditError`] if it cannot be read or its type is not supported.
-pub fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
+pub(crate) fn open(path: &Path, access: FileAccess) -> Result<Document, EditError> {
     Ok(document_of(path, access)?.allowing(access))
 }
 

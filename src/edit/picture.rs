@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 /// How close a picture is to the rendered frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Quality {
+pub(crate) enum Quality {
     /// One sample per pixel, possibly at reduced resolution. If layers are solved over time, this frame may have been
     /// solved in isolation.
     Provisional,
@@ -19,7 +19,7 @@ pub enum Quality {
 
 /// A drawn frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub(crate) struct Picture {
     /// Frame number.
     pub frame: i32,
     /// Revision of the document that it shows.
@@ -35,7 +35,7 @@ pub struct Picture {
 impl Picture {
     /// Converts a frame for display.
     #[must_use]
-    pub fn of(frame: &Frame, (number, revision): (i32, u64), quality: Quality) -> Self {
+    pub(crate) fn of(frame: &Frame, (number, revision): (i32, u64), quality: Quality) -> Self {
         let Preview { width, height, mut rgba } = preview(frame);
         for pixel in rgba.chunks_exact_mut(4).filter(|pixel| pixel[3] < u8::MAX) {
             let alpha = u16::from(pixel[3]);

@@ -16,7 +16,7 @@ pub(crate) enum Pace {
 
 /// The current frame and the playback state.
 #[derive(Clone, Copy, Debug)]
-pub struct Playhead {
+pub(crate) struct Playhead {
     frame: i32,
     shot: [i32; 2],
     /// First and last frame of the playback range, if it is not the whole shot.
@@ -46,13 +46,13 @@ impl Playhead {
 
     /// Returns the current frame.
     #[must_use]
-    pub const fn frame(&self) -> i32 {
+    pub(crate) const fn frame(&self) -> i32 {
         self.frame
     }
 
     /// Returns the first and last frame of the shot.
     #[must_use]
-    pub const fn shot_range(&self) -> [i32; 2] {
+    pub(crate) const fn shot_range(&self) -> [i32; 2] {
         self.shot
     }
 
@@ -64,12 +64,12 @@ impl Playhead {
 
     /// Returns whether playback is restricted to a part of the shot.
     #[must_use]
-    pub const fn has_range(&self) -> bool {
+    pub(crate) const fn has_range(&self) -> bool {
         self.range.is_some()
     }
 
     /// Restricts playback to a range; `None`, or the whole range, plays all.
-    pub fn set_range(&mut self, range: Option<[i32; 2]>) {
+    pub(crate) fn set_range(&mut self, range: Option<[i32; 2]>) {
         self.range = range.filter(|range| range[0] <= range[1] && *range != self.shot);
     }
 

@@ -56,7 +56,7 @@ macro_rules! actions {
     ($($action:ident $id:literal $group:literal $words:literal $chord:literal,)*) => {
         /// An action that a key can trigger.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub enum Action {
+        pub(crate) enum Action {
             $(#[doc = $words] $action,)*
         }
 

@@ -6,7 +6,7 @@ use crate::shot::{ChannelKey, Ease, HandleKey, LayerSpace, Pin, PinKey, Rotation
 
 /// What has keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Track {
+pub(crate) enum Track {
     /// A pin, without the channels that have keys of their own: indices of layer and pin.
     Pin([usize; 2]),
     /// The rotation of a pin, if it has keys of its own.

@@ -14,7 +14,7 @@ const MARGIN: f64 = 16.0;
 
 /// The view transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Zoom {
+pub(crate) enum Zoom {
     /// Fits the whole picture, following the viewport's size.
     #[default]
     Fit,
@@ -29,7 +29,7 @@ pub enum Zoom {
 
 /// A picture placed in a viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lens {
+pub(crate) struct Lens {
     /// Size of the picture.
     pub(crate) frame: FrameSize,
     /// Size of the viewport.
@@ -42,7 +42,7 @@ pub struct Lens {
 impl Zoom {
     /// Places the picture in a viewport of this size.
     #[must_use]
-    pub fn lens(self, frame: FrameSize, viewport: DVec2) -> Lens {
+    pub(crate) fn lens(self, frame: FrameSize, viewport: DVec2) -> Lens {
         let picture = DVec2::new(f64::from(frame.width) * frame.pixel_aspect, f64::from(frame.height));
         let (scale, center) = match self {
             Self::Fit => {
@@ -91,7 +91,7 @@ impl Lens {
 
     /// Converts a screen point to a viewport position.
     #[must_use]
-    pub fn viewport_from_screen(&self, point: ScreenPoint) -> DVec2 {
+    pub(crate) fn viewport_from_screen(&self, point: ScreenPoint) -> DVec2 {
         let ImagePoint(pixel) = self.frame.image_from_screen(point);
         self.origin + pixel * DVec2::new(self.frame.pixel_aspect, 1.0) * self.scale
     }

@@ -11,12 +11,12 @@ pub struct LatticeBranches {
     /// Corners of the regions, in frame heights.
     pub points: Vec<[f64; 2]>,
     /// Branches from back to front.
-    pub list: Vec<LatticeBranch>,
+    pub(crate) list: Vec<LatticeBranch>,
 }
 
 /// A branch.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LatticeBranch {
+pub(crate) struct LatticeBranch {
     /// The handles that influence the branch, #handles; `None`: a handle that does not, extrapolated smoothly from the others.
     pub handles: Vec<Option<[f64; 2]>>,
     /// The part of the shape at rest that the branch moves: convex polygons, as indices of points.
@@ -49,7 +49,7 @@ impl LatticeBranches {
     }
 
     /// Returns the polygons of a branch.
-    pub fn polygons(&self, branch: usize) -> impl Iterator<Item = Vec<[f64; 2]>> {
+    pub(crate) fn polygons(&self, branch: usize) -> impl Iterator<Item = Vec<[f64; 2]>> {
         let corner = |&corner: &u32| self.points[corner as usize];
         self.list[branch].region.iter().map(move |polygon| polygon.iter().map(corner).collect())
     }

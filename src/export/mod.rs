@@ -3,18 +3,19 @@
 //! In: lattices. Out: files. Lattice files can also be read: see [`LatticeFile`].
 
 mod after_effects;
-pub mod blender;
+pub(crate) mod blender;
 mod error;
-pub mod gltf;
+pub(crate) mod gltf;
 mod landmarks;
 mod lattice_branches;
 mod lattice_file;
-pub mod nuke;
+pub(crate) mod nuke;
 mod raw;
 
 pub(crate) use after_effects::{DisplacementNote, displacement, greatest_offset};
 pub use error::ExportError;
 pub(crate) use landmarks::LandmarkUnit;
 pub use landmarks::{Landmark, Landmarks};
-pub use lattice_branches::{LatticeBranch, LatticeBranches};
+pub(crate) use lattice_branches::LatticeBranch;
+pub use lattice_branches::LatticeBranches;
 pub use lattice_file::{LatticeFile, LatticeTrack, Track, lattice_at};

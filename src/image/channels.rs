@@ -9,7 +9,7 @@ use super::{EMPTY_DEPTH, Storage};
 pub enum ChannelGroup {
     /// R G B A: half, scene-linear, associated alpha.
     Beauty,
-    /// `depth.Z`: float, distance along the view axis, metres; [`EMPTY_DEPTH`] where there is no surface.
+    /// `depth.Z`: float, distance along the view axis, metres; 1e10 where there is no surface.
     Depth,
     /// `forward.u` `forward.v` `backward.u` `backward.v`: float, pixels, x right, y up; 0 where there is no surface.
     Motion,

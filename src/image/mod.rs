@@ -44,7 +44,8 @@ mod window;
 pub(crate) use atomic::remove_unfinished;
 pub use atomic::{Destination, Durability};
 pub(crate) use atomic::{remove_stale, replace_bytes, replace_text};
-pub use channels::{ChannelGroup, ChannelSpec};
+pub use channels::ChannelGroup;
+pub use channels::ChannelSpec;
 pub(crate) use closed_regions::{ClosedRegions, Drawing, LineRule};
 pub(crate) use codes::write_codes;
 pub use complete::is_complete;
@@ -80,7 +81,7 @@ pub(crate) use size::{PictureExtent, picture_extent, sequence_size};
 use crate::space::PixelRect;
 
 /// Depth where there is no surface, in scene units. Finite on purpose: infinities turn into NaN in compositing.
-pub const EMPTY_DEPTH: f32 = 1e10;
+pub(crate) const EMPTY_DEPTH: f32 = 1e10;
 
 /// A picture of named channels.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +148,7 @@ impl PartialEq for Channel {
 impl Channel {
     /// Returns the value of empty pixels: [`EMPTY_DEPTH`] for depth (`Z`, `depth.Z`), else 0.
     #[must_use]
-    pub fn empty_value(&self) -> f32 {
+    pub(crate) fn empty_value(&self) -> f32 {
         if self.is_depth() { EMPTY_DEPTH } else { 0.0 }
     }
 
@@ -179,7 +180,7 @@ pub enum Compression {
 impl Compression {
     /// Whether the compression is lossy on colour.
     #[must_use]
-    pub const fn is_lossy(self) -> bool {
+    pub(crate) const fn is_lossy(self) -> bool {
         matches!(self, Self::Dwaa | Self::Dwab)
     }
 }

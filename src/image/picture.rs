@@ -117,7 +117,7 @@ fn unit(code: u16) -> f32 {
 ///
 /// Values are clipped at 1. Where light exceeds its alpha, alpha is raised so that it shows, as in [`super::preview`].
 /// A picture read by [`read_picture`] and written as PNG is preserved code by code, including colours under alpha 0;
-/// grey becomes colour. A PNG contains the metadata of [`Plate::set_metadata`].
+/// grey becomes colour. A PNG contains the metadata of its frame.
 ///
 /// # Errors
 /// [`ImageError`] if the file cannot be written, the plate has no colour, or the extension is neither.

@@ -47,7 +47,7 @@ pub struct PlatePart {
 impl Plate {
     /// Creates a plate of these parts without further attributes.
     #[must_use]
-    pub fn new(display: PixelRect, pixel_aspect: f64, parts: Vec<PlatePart>) -> Self {
+    pub(crate) fn new(display: PixelRect, pixel_aspect: f64, parts: Vec<PlatePart>) -> Self {
         Self { display, pixel_aspect, parts, left_out: Vec::new(), attributes: no_shared_attributes() }
     }
 
@@ -60,7 +60,7 @@ impl Plate {
 
     /// Creates a plate of our own frame with all metadata that [`super::write_exr`] would write.
     #[must_use]
-    pub fn from_render(frame: Frame, metadata: &FrameMetadata) -> Self {
+    pub(crate) fn from_render(frame: Frame, metadata: &FrameMetadata) -> Self {
         let mut plate = Self::from_frame(frame);
         let size = plate.frame_size();
         plate.parts.iter_mut().for_each(|part| metadata.add_to_layer(&mut part.attributes, size));
@@ -91,8 +91,9 @@ impl Plate {
     }
 
     /// Returns the part of this name.
+    #[cfg(test)]
     #[must_use]
-    pub fn part(&self, name: &str) -> Option<&PlatePart> {
+    pub(crate) fn part(&self, name: &str) -> Option<&PlatePart> {
         self.parts.iter().find(|part| part.name.as_deref() == Some(name))
     }
 
@@ -123,7 +124,7 @@ impl Plate {
 
     /// Stores which frame of which shot this is in the first part, for [`super::read_metadata`]. Keeps the plate's
     /// software, rate and camera.
-    pub fn set_metadata(&mut self, metadata: &FrameMetadata) {
+    pub(crate) fn set_metadata(&mut self, metadata: &FrameMetadata) {
         if let Some(first) = self.parts.first_mut() {
             metadata.add_provenance(&mut first.attributes);
         }
@@ -133,7 +134,7 @@ impl Plate {
 impl PlatePart {
     /// Creates a part without a name, view or attributes; scan lines, compressed as [`super::Compression::Zip`].
     #[must_use]
-    pub fn new(data_window: PixelRect, channels: Vec<Channel>) -> Self {
+    pub(crate) fn new(data_window: PixelRect, channels: Vec<Channel>) -> Self {
         let encoding = Encoding {
             compression: exr::prelude::Compression::ZIP16,
             blocks: Blocks::ScanLines,
@@ -189,7 +190,8 @@ impl PlatePart {
     }
 
     /// Sets the views that share this part, starting with that of channels which name none.
-    pub fn set_views(&mut self, views: &[&str]) {
+    #[cfg(test)]
+    pub(crate) fn set_views(&mut self, views: &[&str]) {
         self.attributes.multi_view_names = Some(views.iter().map(|view| text(view)).collect());
     }
 
@@ -212,7 +214,7 @@ impl PlatePart {
     }
 
     /// Removes every custom attribute whose name begins with `prefix`.
-    pub fn remove_attributes(&mut self, prefix: &str) {
+    pub(crate) fn remove_attributes(&mut self, prefix: &str) {
         self.attributes.other.retain(|name, _| !string(name).starts_with(prefix));
     }
 }

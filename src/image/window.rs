@@ -6,7 +6,7 @@ use super::{Channel, EMPTY_DEPTH, Frame, Storage};
 use crate::space::PixelRect;
 
 impl Frame {
-    /// Creates an empty frame: depth channels at [`super::EMPTY_DEPTH`], all others 0. Square pixels.
+    /// Creates an empty frame: depth channels at 1e10, all others 0. Square pixels.
     #[must_use]
     pub fn blank(display: PixelRect, data_window: PixelRect, channels: &[(&str, Storage)]) -> Self {
         let channels = channels.iter().map(|&(name, storage)| {
@@ -19,7 +19,7 @@ impl Frame {
 
     /// Crops the data window to the smallest one that contains every non-empty sample; area 0 if there are none.
     #[must_use]
-    pub fn crop_to_covered(self) -> Self {
+    pub(crate) fn crop_to_covered(self) -> Self {
         let covered = self.covered_window();
         if covered == self.data_window {
             return self;

@@ -41,7 +41,7 @@ pub(super) const MAX_LOCAL: usize = 4;
 ///
 /// N is the capacity; local bases need four, which keeps evaluation cheap.
 #[derive(Clone, Copy, Debug)]
-pub struct AxisTerms<const N: usize = MAX_HANDLES> {
+pub(crate) struct AxisTerms<const N: usize = MAX_HANDLES> {
     /// First handle on this axis.
     pub first: usize,
     /// Number of handles.
@@ -55,7 +55,7 @@ impl<const N: usize> AxisTerms<N> {
     ///
     /// Barycentric cells are not a tensor product; they are treated as bilinear here.
     #[must_use]
-    pub fn at(basis: Basis, count: usize, t: f64) -> Self {
+    pub(crate) fn at(basis: Basis, count: usize, t: f64) -> Self {
         match basis {
             Basis::Bernstein => bernstein(count, t),
             Basis::Bspline => bspline(count, t),
@@ -65,7 +65,7 @@ impl<const N: usize> AxisTerms<N> {
 
     /// Returns the values, one per handle, from `first` on.
     #[must_use]
-    pub fn values(&self) -> &[f64] {
+    pub(crate) fn values(&self) -> &[f64] {
         &self.values[..self.len]
     }
 
@@ -76,7 +76,7 @@ impl<const N: usize> AxisTerms<N> {
 
     /// Returns the derivatives per unit of t, one per handle, from `first` on.
     #[must_use]
-    pub fn slopes(&self) -> &[f64] {
+    pub(crate) fn slopes(&self) -> &[f64] {
         &self.slopes[..self.len]
     }
 }

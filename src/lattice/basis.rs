@@ -36,7 +36,8 @@ pub(crate) enum Support {
 
 impl Basis {
     /// All bases.
-    pub const ALL: [Self; 4] = [Self::Bernstein, Self::Bspline, Self::Bilinear, Self::Barytri];
+    #[cfg(test)]
+    pub(crate) const ALL: [Self; 4] = [Self::Bernstein, Self::Bspline, Self::Bilinear, Self::Barytri];
 
     /// Returns the name for messages; files use the serde name.
     #[must_use]
@@ -83,7 +84,7 @@ impl Basis {
 
     /// Whether each handle influences only a few cells.
     #[must_use]
-    pub fn is_local(self) -> bool {
+    pub(crate) fn is_local(self) -> bool {
         self.support() != Support::Global
     }
 

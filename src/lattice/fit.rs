@@ -23,7 +23,7 @@ const PULL: f64 = 1e-5;
 
 /// A lattice fitted to a map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fitted<const D: usize> {
+pub(crate) struct Fitted<const D: usize> {
     /// The lattice.
     pub lattice: Lattice<D>,
     /// Largest distance between the images of a point under lattice and map, over probes in the whole box, in units of the space.
@@ -34,18 +34,9 @@ impl<const D: usize> Lattice<D> {
     /// Returns the same warp with other dims and basis over the same box: exact where the new functions include the old
     /// ones, least squares otherwise.
     ///
-    /// ```
-    /// use pinwarp::lattice::{Basis, Grid};
-    /// let mut lattice = Grid { dims: [4, 5], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [2.0, 1.0], angle: 0.0 }.at_rest();
-    /// lattice.handles[6] = [0.9, 0.4];
-    /// let finer = lattice.resized([9, 7], Basis::Bernstein)?;
-    /// assert!(finer.error < 1e-13);
-    /// # Ok::<(), pinwarp::lattice::LatticeError>(())
-    /// ```
-    ///
     /// # Errors
     /// [`LatticeError`] if the dims are invalid for the basis.
-    pub fn resized(&self, dims: [usize; D], basis: Basis) -> Result<Fitted<D>, LatticeError> {
+    pub(crate) fn resized(&self, dims: [usize; D], basis: Basis) -> Result<Fitted<D>, LatticeError> {
         let grid = Grid { dims, basis, ..self.grid.clone() };
         grid.check()?;
         let is_raised = (0..D).all(|axis| dims[axis] >= self.grid.dims[axis]);
@@ -242,5 +233,15 @@ mod tests {
         let fitted = bent(Basis::Bspline, [6, 6]).resized([64, 64], Basis::Bernstein).expect("valid dims");
         let farthest = fitted.lattice.handles.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         assert!(fitted.error < 1e-2 && farthest < 1e3, "{:e} {farthest:e}", fitted.error);
+    }
+
+    #[test]
+    fn more_handles_of_a_polynomial_keep_it() -> Result<(), crate::lattice::LatticeError> {
+        let mut lattice =
+            Grid { dims: [4, 5], basis: Basis::Bernstein, lo: [0.0, 0.0], hi: [2.0, 1.0], angle: 0.0 }.at_rest();
+        lattice.handles[6] = [0.9, 0.4];
+        let finer = lattice.resized([9, 7], Basis::Bernstein)?;
+        assert!(finer.error < 1e-13);
+        Ok(())
     }
 }

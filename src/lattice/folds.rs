@@ -20,7 +20,7 @@ pub(super) const PRECISION: f64 = 1e-3;
 
 /// Folded cells (det J ≤ 0 somewhere inside). B-spline cells outside the box contain no picture and are ignored.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Folds<const D: usize> {
+pub(crate) struct Folds<const D: usize> {
     /// Folded cells between handles (column, row, ...), 0..dims−1.
     pub cells: Vec<[usize; D]>,
     /// Number of folded cells that are active.

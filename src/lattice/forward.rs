@@ -10,7 +10,7 @@ use glam::{DMat2, DVec2};
 
 /// The image of a point, and the gradient there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointAndGradient<const D: usize> {
+pub(crate) struct PointAndGradient<const D: usize> {
     /// Image of the point.
     pub point: [f64; D],
     /// Gradient, `[row][column]`: column c is the image of axis c.
@@ -41,7 +41,7 @@ impl<const D: usize> Lattice<D> {
 
     /// Returns the image and the gradient of a point; outside the box the polynomials are extended.
     #[must_use]
-    pub fn evaluate_with_gradient(&self, point: [f64; D]) -> PointAndGradient<D> {
+    pub(crate) fn evaluate_with_gradient(&self, point: [f64; D]) -> PointAndGradient<D> {
         let mut carried = PointAndGradient { point: [0.0; D], gradient: [[0.0; D]; D] };
         self.grid.for_each_weight(point, |term| {
             let handle = self.handles[term.handle];

@@ -51,7 +51,7 @@ pub type ScreenLattice = Lattice<2>;
 impl Grid<2> {
     /// Creates a grid over a box of the screen.
     #[must_use]
-    pub fn over(bounds: impl Into<RotatedBox>, dims: [usize; 2], basis: Basis) -> Self {
+    pub(crate) fn over(bounds: impl Into<RotatedBox>, dims: [usize; 2], basis: Basis) -> Self {
         let RotatedBox { upright: ScreenBox { min, max }, angle } = bounds.into();
         Self { dims, basis, lo: min.0.to_array(), hi: max.0.to_array(), angle }
     }
@@ -92,7 +92,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the number of handles.
     #[must_use]
-    pub fn handle_count(&self) -> usize {
+    pub(crate) fn handle_count(&self) -> usize {
         self.dims.iter().product()
     }
 
@@ -120,13 +120,13 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the length of the diagonal of the box.
     #[must_use]
-    pub fn diagonal(&self) -> f64 {
+    pub(crate) fn diagonal(&self) -> f64 {
         (0..D).map(|axis| self.size(axis).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Returns the distance between rest handles along an axis.
     #[must_use]
-    pub fn spacing(&self, axis: usize) -> f64 {
+    pub(crate) fn spacing(&self, axis: usize) -> f64 {
         self.size(axis) / self.basis.spans(self.dims[axis]) as f64
     }
 
@@ -138,7 +138,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns column, row (and layer) of a handle.
     #[must_use]
-    pub fn handle_coords(&self, index: usize) -> [usize; D] {
+    pub(crate) fn handle_coords(&self, index: usize) -> [usize; D] {
         std::array::from_fn(|axis| index / self.stride(axis) % self.dims[axis])
     }
 
@@ -189,7 +189,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the rest position of a handle; B-spline handles start one spacing outside the box.
     #[must_use]
-    pub fn rest_handle(&self, index: usize) -> [f64; D] {
+    pub(crate) fn rest_handle(&self, index: usize) -> [f64; D] {
         let place = self.handle_coords(index);
         let shift = self.basis.margin() as f64;
         self.point_from_spans(std::array::from_fn(|axis| place[axis] as f64 - shift))
@@ -209,7 +209,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns all rest handles, in index order.
     #[must_use]
-    pub fn rest_handles(&self) -> Vec<[f64; D]> {
+    pub(crate) fn rest_handles(&self) -> Vec<[f64; D]> {
         (0..self.handle_count()).map(|index| self.rest_handle(index)).collect()
     }
 
@@ -231,7 +231,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the point of the box nearest to `point`.
     #[must_use]
-    pub fn clamp_to_box(&self, point: [f64; D]) -> [f64; D] {
+    pub(crate) fn clamp_to_box(&self, point: [f64; D]) -> [f64; D] {
         let upright = self.upright_from_point(point);
         let inside = std::array::from_fn(|axis| upright[axis].max(self.lo[axis]).min(self.hi[axis]));
         // Points of the box keep their bits.
@@ -342,7 +342,7 @@ impl<const D: usize> Grid<D> {
 
     /// Returns the row of W at a point: handles and weights, sparse if the basis is local.
     #[must_use]
-    pub fn weights(&self, point: [f64; D]) -> Vec<(usize, f64)> {
+    pub(crate) fn weights(&self, point: [f64; D]) -> Vec<(usize, f64)> {
         let mut row = Vec::new();
         self.for_each_weight(point, |term| row.push((term.handle, term.weight)));
         row

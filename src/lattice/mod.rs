@@ -15,16 +15,14 @@ mod grid;
 mod scene_lattice;
 mod transfer;
 
-pub use axis::AxisTerms;
+pub(crate) use axis::AxisTerms;
 pub(crate) use axis::{MAX_HANDLES, MAX_HANDLES_IN_ALL, bernstein_values};
 pub use basis::Basis;
 pub(crate) use basis::Support;
 pub use display::DisplayWarp;
 pub use error::LatticeError;
-pub use fit::Fitted;
-pub use folds::Folds;
+pub(crate) use folds::Folds;
 pub(crate) use folds::rough_determinant;
-pub use forward::PointAndGradient;
 pub use grid::{Grid, Lattice, ScreenLattice};
 pub use scene_lattice::{BoxFrame, SceneLattice};
 pub(crate) use transfer::LatticeFit;

@@ -33,7 +33,7 @@ const FURTHEST: f64 = 1e7;
 ///
 /// # Errors
 /// As [`warp_until`].
-pub fn destination_of_any_alpha(
+pub(crate) fn destination_of_any_alpha(
     controls: &Controls,
     window: PixelRect,
     frame: FrameSize,

@@ -1,7 +1,7 @@
 //! Warps one picture at one time from plain parameters; the engine's interface for hosts (the OpenFX plugin, an editor).
 //!
-//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`] with its overlay and quality report; pixels ([`render`]),
-//! regions, STMaps ([`stmap`]). All functions are thread-safe and deterministic. Results are cached by content for the whole process (see
+//! In: [`Controls`], a [`ShapeSource`], the size of the frame. Out: a [`Warp`] with its overlay and quality report; pixels ([`render_pieces`]),
+//! regions, STMaps. All functions are thread-safe and deterministic. Results are cached by content for the whole process (see
 //! `process_cache.rs`), so hosts may recreate their instances for every frame.
 
 mod alpha_region;
@@ -38,39 +38,48 @@ mod viewer;
 mod warp;
 mod write;
 
-pub use crate::lattice::Basis;
-pub use crate::solve::Guard;
+pub(crate) use crate::lattice::Basis;
+pub(crate) use crate::solve::Guard;
 /// Asked on the calling thread whether to cancel; `true`: cancel.
 pub(crate) type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// Never cancels.
 const NEVER: &Stop<'static> = &|| false;
 
-pub use alpha_region::destination_of_any_alpha;
+pub(crate) use alpha_region::destination_of_any_alpha;
 pub(crate) use buffer_pool::{recycle_planes, take_planes};
 pub use controls::{Controls, Moved, Pin, PinRegion};
 pub use error::LiveError;
 pub(crate) use host_frame::HostFrame;
 pub use mix::Mix;
-pub use notices::{Notice, Wording};
-pub use outputs::OutputGuard;
+pub(crate) use notices::Wording;
+pub(crate) use outputs::OutputGuard;
 #[cfg(feature = "ofx")]
 pub(crate) use owned::OwnedPicture;
 pub(crate) use picker::{PenResult, Picker, SelectMode};
 pub use picture::{Alpha, Picture};
-pub use read::{PinTrack, ShotFile, TrackKey, read_shot};
+#[cfg(test)]
+pub(crate) use read::TrackKey;
+pub(crate) use read::{PinTrack, read_shot};
+#[cfg(test)]
+pub(crate) use render::render;
 pub(crate) use render::render_mean;
-pub use render::{Piece, render, render_pieces};
+pub use render::{Piece, render_pieces};
 pub use render_job::Render;
-pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};
-pub use solve::{last_of_alpha, warp, warp_until};
+pub(crate) use shape_source::OwnPins;
+pub use shape_source::{Coverage, ShapeSource, ShotShape};
+pub use solve::warp;
+pub(crate) use solve::{last_of_alpha, warp_until};
 #[cfg(feature = "ofx")]
 pub(crate) use stmap::check_stmap_path;
-pub use stmap::{StMap, StMapFile, save_stmap, stmap};
+pub(crate) use stmap::{StMapFile, save_stmap, stmap};
 #[cfg(feature = "ofx")]
 pub(crate) use viewer::{LatticeStyle, Viewer};
-pub use warp::{GridLine, PinPlace, Warning, Warp};
-pub use write::{NewShot, Subject, WriteShot, write_shot};
+pub(crate) use warp::GridLine;
+#[cfg(test)]
+pub(crate) use warp::Warning;
+pub use warp::Warp;
+pub(crate) use write::{NewShot, Subject, WriteShot, write_shot};
 
 /// Frees everything that is cached and can be recomputed, for hosts that are short of memory. Later results are
 /// bit-identical, and take as long as the first time.

@@ -16,7 +16,7 @@ const MAX_NAMES: usize = 8;
 
 /// A message for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
+pub(crate) struct Notice {
     /// Its subject, without numbers that change from frame to frame.
     pub subject: String,
     /// The message.
@@ -25,7 +25,7 @@ pub struct Notice {
 
 /// How a host names pins and formats positions.
 #[derive(Clone, Copy)]
-pub struct Wording<'a> {
+pub(crate) struct Wording<'a> {
     /// Returns the name of a pin of the controls by its index: "3" or "nose".
     pub pin: &'a dyn Fn(usize) -> String,
     /// Formats a position with its unit.
@@ -37,7 +37,7 @@ pub struct Wording<'a> {
 impl Warp {
     /// Returns the messages for the user, most important first.
     #[must_use]
-    pub fn notices(&self, wording: &Wording) -> Vec<Notice> {
+    pub(crate) fn notices(&self, wording: &Wording) -> Vec<Notice> {
         let mut notices: Vec<Notice> = self.report.iter().flat_map(|report| self.of_report(report, wording)).collect();
         notices.extend(self.warnings.iter().map(|warning| match warning {
             Warning::Text(text) => Notice { subject: text.clone(), text: text.clone() },

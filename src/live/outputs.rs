@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Refuses to overwrite the inputs of a shape, and anything but regular files.
 #[derive(Clone, Debug, Default)]
-pub struct OutputGuard {
+pub(crate) struct OutputGuard {
     inputs: Inputs,
 }
 

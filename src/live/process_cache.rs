@@ -36,18 +36,7 @@ const REGIONS: usize = 4096;
 const PART_WINDOWS: usize = 256;
 
 /// The caches of the process.
-pub(super) static CACHE: LazyLock<ProcessCache> = LazyLock::new(|| ProcessCache {
-    shots: Cache::new(SHOTS, |_| 1),
-    files_beside: Cache::new(SHOTS, |_| 1),
-    scenes: Cache::new(SCENES, |_| 1),
-    solvers: Cache::new(SOLVER_BYTES, PreparedSolver::bytes),
-    casts: Cache::new(CASTS, |_| 1),
-    warps: Cache::new(WARPS, Warp::weight),
-    shown_warps: Cache::new(SHOWN_WARPS, |_| 1),
-    maps: Cache::new(MAP_BYTES, |maps: &Vec<WarpMap>| bytes_of_maps(maps)),
-    regions: Cache::new(REGIONS, |_| 1),
-    part_windows: Cache::new(PART_WINDOWS, |_| 1),
-});
+pub(super) static CACHE: LazyLock<ProcessCache> = LazyLock::new(ProcessCache::new);
 
 /// The caches, in the order in which a frame uses them.
 pub(super) struct ProcessCache {
@@ -74,6 +63,21 @@ pub(super) struct ProcessCache {
 }
 
 impl ProcessCache {
+    fn new() -> Self {
+        Self {
+            shots: Cache::new(SHOTS, |_| 1),
+            files_beside: Cache::new(SHOTS, |_| 1),
+            scenes: Cache::new(SCENES, |_| 1),
+            solvers: Cache::new(SOLVER_BYTES, PreparedSolver::bytes),
+            casts: Cache::new(CASTS, |_| 1),
+            warps: Cache::new(WARPS, Warp::weight),
+            shown_warps: Cache::new(SHOWN_WARPS, |_| 1),
+            maps: Cache::new(MAP_BYTES, |maps: &Vec<WarpMap>| bytes_of_maps(maps)),
+            regions: Cache::new(REGIONS, |_| 1),
+            part_windows: Cache::new(PART_WINDOWS, |_| 1),
+        }
+    }
+
     /// Frees everything except the few warps used to draw handles, which cannot be recomputed without a render.
     pub(super) fn purge(&self) {
         let Self { shots, files_beside, scenes, solvers, casts, warps, shown_warps: _, maps, regions, part_windows } =
@@ -92,4 +96,25 @@ impl ProcessCache {
 
 fn bytes_of_maps(maps: &[WarpMap]) -> usize {
     maps.iter().map(|map| std::mem::size_of_val(&map.offsets[..]) + 4 * map.folded_pixels.len()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::LiveError;
+    use super::super::key::KeyWriter;
+    use super::*;
+
+    #[test]
+    fn a_purge_lets_go_of_shots_and_of_what_lies_beside_scenes() {
+        // Not those of the process, which other tests use meanwhile.
+        let caches = ProcessCache::new();
+        let key = KeyWriter::new().finish();
+        let text = "version = 1\nscene = \"scene.gltf\"\nframes = { first = 1, last = 1 }\nsize = [16, 9]\n";
+        caches.shots.get(key, || Ok::<_, LiveError>(Shot::parse(text, "shot.toml".as_ref())?)).expect("a shot");
+        caches.files_beside.get(key, || Ok::<_, LiveError>(vec!["points.bin".into()])).expect("a list");
+        let kept = || (caches.files_beside.peek(key).is_some(), caches.shots.peek(key).is_some());
+        assert_eq!(kept(), (true, true));
+        caches.purge();
+        assert_eq!(kept(), (false, false));
+    }
 }

@@ -13,7 +13,7 @@ use crate::spelling::pluralised;
 
 /// The contents of a shot file as parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ShotFile {
+pub(crate) struct ShotFile {
     /// The layer's lattice, and its pins at the shape's frame. Strength and smoothness are 1, since those of the file stay in force.
     pub controls: Controls,
     /// One per pin of the controls.
@@ -48,7 +48,7 @@ impl ShotFile {
 
 /// A pin over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PinTrack {
+pub(crate) struct PinTrack {
     /// Name in the file.
     pub name: String,
     /// Position in the frame in which pins are placed.
@@ -61,7 +61,7 @@ pub struct PinTrack {
 
 /// The values of a pin at a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackKey {
+pub(crate) struct TrackKey {
     /// Frame of the key.
     pub frame: f64,
     /// [`Pin::target`] at the key.
@@ -113,7 +113,7 @@ impl PinTrack {
 ///
 /// # Errors
 /// [`LiveError`] if the file is invalid or does not fit its scene.
-pub fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
+pub(crate) fn read_shot(shape: &ShotShape, frame: FrameSize) -> Result<ShotFile, LiveError> {
     let base = solve::base(&ShapeSource::Shot(shape.clone()), frame)?;
     let prepared = base.prepared.as_ref().expect("shots have a scene");
     let (layer, places) = (&prepared.shot.layers[base.layer], LayerPlaces::new(prepared, base.layer));

@@ -30,7 +30,7 @@ impl Warp {
     /// Returns the region of definition: every output pixel that a picture of this window may affect. Limited to the
     /// frame extended by its own size on every side, unless the window itself reaches further.
     #[must_use]
-    pub fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
+    pub(crate) fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
         if self.is_identity() || window.area() == 0 {
             return window;
         }
@@ -48,7 +48,7 @@ impl Warp {
     /// Returns the region of interest: every source pixel that affects the pixels of `window`, including the support of
     /// the filter. With a mask the part at rest is also needed: add the window itself.
     #[must_use]
-    pub fn source_of(&self, window: PixelRect, frame: FrameSize, filter: Filter) -> PixelRect {
+    pub(crate) fn source_of(&self, window: PixelRect, frame: FrameSize, filter: Filter) -> PixelRect {
         if self.is_identity() || window.area() == 0 {
             return window;
         }

@@ -28,7 +28,7 @@ pub struct Piece<'a> {
 /// # Errors
 /// [`LiveError::Aborted`]; [`LiveError::Planes`] if planes do not match their windows, or the number of planes of the
 /// background differs from that of the source.
-pub fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
+pub(crate) fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     let planes = Mutex::new(vec![vec![0.0; job.window.area()]; job.source.planes.len()]);
     render_pieces(warp, job, |piece| {
         let mut planes = planes.lock().unwrap_or_else(PoisonError::into_inner);
@@ -71,11 +71,12 @@ pub(crate) fn render_mean(warps: &[Arc<Warp>], job: &Render) -> Result<Vec<Vec<f
     Ok(planes)
 }
 
-/// As [`render`], but passes on each piece as soon as it is finished, which avoids a copy. Pieces do not overlap; they
-/// arrive in any order, from several threads at a time.
+/// Renders the window of a job and passes on each piece as soon as it is finished. Pieces do not overlap; they arrive in
+/// any order, from several threads at a time.
 ///
 /// # Errors
-/// As [`render`].
+/// [`LiveError::Aborted`]; [`LiveError::Planes`] if planes do not match their windows, or the number of planes of the
+/// background differs from that of the source.
 pub fn render_pieces(warp: &Warp, job: &Render, finished: impl Fn(Piece) + Sync) -> Result<(), LiveError> {
     job.check()?;
     let compositor = Compositor::of(warp, job);

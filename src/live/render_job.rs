@@ -13,7 +13,7 @@ pub struct Render<'a> {
     pub frame: FrameSize,
     /// The pixels to render; may lie outside the frame.
     pub window: PixelRect,
-    /// The picture to warp; [`Warp::source_of`](super::Warp::source_of) returns how much of it is needed.
+    /// The picture to warp.
     pub source: &'a Picture<'a>,
     /// One plane, 0 to 1: the part of the picture that moves; the rest stays. Nothing moves where it has no samples.
     pub mask: Option<&'a Picture<'a>>,

@@ -37,7 +37,7 @@ pub fn warp(controls: &Controls, shape: &ShapeSource, frame: FrameSize) -> Resul
 ///
 /// # Errors
 /// As [`warp`]; [`LiveError::Aborted`].
-pub fn warp_until(
+pub(crate) fn warp_until(
     controls: &Controls,
     shape: &ShapeSource,
     frame: FrameSize,
@@ -80,7 +80,7 @@ fn aborted(error: PipelineError) -> LiveError {
 /// Returns the latest [`warp`] of these controls over a picture's alpha, of any size, for hosts that have no pixels
 /// while they draw handles; `None` if there was none recently.
 #[must_use]
-pub fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
+pub(crate) fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
     CACHE.shown_warps.peek(shown_key(controls))
 }
 

@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Source positions of the pixels of a window, as fractions of the frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StMap {
+pub(crate) struct StMap {
     /// The pixels, in image space.
     pub window: PixelRect,
     /// #pixels, rows from the top: u = (x + .5) / W, from left to right; -1 where nothing is visible.
@@ -24,7 +24,7 @@ pub struct StMap {
 
 /// Computes the STMap of a window of a frame. Anything warped by it (other layers, other programs) moves like the picture.
 #[must_use]
-pub fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
+pub(crate) fn stmap(warp: &Warp, frame: FrameSize, window: PixelRect) -> StMap {
     let channels = stmap_of(&map(warp, frame, window)).channels.into_iter().map(|channel| channel.samples);
     let mut planes = channels.collect::<Vec<_>>().into_iter();
     let mut next = || planes.next().unwrap_or_default();
@@ -53,7 +53,7 @@ impl StMap {
 
 /// The destination and the metadata of an STMap file.
 #[derive(Clone, Copy, Debug)]
-pub struct StMapFile<'a> {
+pub(crate) struct StMapFile<'a> {
     /// Path of the EXR file.
     pub path: &'a Path,
     /// Frame number.
@@ -89,7 +89,7 @@ fn is_own_stmap(head: &Plate) -> bool {
 ///
 /// # Errors
 /// [`ImageError`] as `check_stmap_path`, and if the file cannot be written.
-pub fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
+pub(crate) fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
     check_stmap_path(file.path, guard)?;
     let map = warp.map_of_parts((size, size.window()));
     let map = map.unwrap_or_else(|| WarpMap::backward(&warp.field, size, size.window()));

@@ -23,11 +23,11 @@ pub struct Warp {
     /// Warped outlines of the cells in which the lattice folds where it holds part of the shape.
     pub(crate) folds: Vec<Vec<ScreenPoint>>,
     /// One per pin of the controls, in order.
-    pub pins: Vec<PinPlace>,
+    pub(crate) pins: Vec<PinPlace>,
     /// Quality of the solve (pin errors, with a shot's own pins first; folded cells); `None`: nothing was solved.
     pub report: Option<SolveReport>,
     /// Warnings of the solve besides the report; [`Warp::notices`] formats all of them.
-    pub warnings: Vec<Warning>,
+    pub(crate) warnings: Vec<Warning>,
     /// The pins of [`SolveReport::pin_errors`], in order.
     pub(super) acting: Vec<ActingPin>,
     /// Hash of all inputs of the solve.
@@ -36,7 +36,7 @@ pub struct Warp {
 
 /// Something unexpected that a solve found.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Warning {
+pub(crate) enum Warning {
     /// Message text.
     Text(String),
     /// The otherwise fixed border gives way to a pin that is dragged to it or past it.
@@ -68,7 +68,7 @@ pub(super) enum ActingPin {
 
 /// A pin at the time of the warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinPlace {
+pub(crate) struct PinPlace {
     /// Position before the warp; with a shot, it follows the model.
     pub rest: ScreenPoint,
     /// Target position, with strength applied.
@@ -81,7 +81,7 @@ pub struct PinPlace {
 
 /// A line of the lattice.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GridLine {
+pub(crate) struct GridLine {
     /// Points before the warp, from left to right or from the bottom up.
     pub rest: Vec<ScreenPoint>,
     /// The same points after the warp.
@@ -112,7 +112,7 @@ impl Warp {
 
     /// Whether the warp is the identity everywhere (within 1e-8 frame heights).
     #[must_use]
-    pub fn is_identity(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         self.field.is_identity() && self.parts.iter().all(|(field, _)| field.is_identity())
     }
 
@@ -145,14 +145,16 @@ impl Warp {
     }
 
     /// Returns the greatest distance of a pin from its target, in frame heights; 0 without pins.
+    #[cfg(test)]
     #[must_use]
-    pub fn pin_error(&self) -> f64 {
+    pub(crate) fn pin_error(&self) -> f64 {
         self.report.iter().flat_map(|report| &report.pin_errors).copied().fold(0.0, f64::max)
     }
 
     /// Returns the rest and the current position of every handle, by index (x fastest).
+    #[cfg(test)]
     #[must_use]
-    pub fn handles(&self) -> Vec<[ScreenPoint; 2]> {
+    pub(crate) fn handles(&self) -> Vec<[ScreenPoint; 2]> {
         let point = |[x, y]: [f64; 2]| ScreenPoint::new(x, y);
         let Some(lattice) = &self.lattice else { return Vec::new() };
         let rest = lattice.grid.rest_handles();
@@ -161,7 +163,7 @@ impl Warp {
 
     /// Returns the grid lines of the lattice's box, with `pieces` segments per cell.
     #[must_use]
-    pub fn grid_lines(&self, pieces: usize) -> Vec<GridLine> {
+    pub(crate) fn grid_lines(&self, pieces: usize) -> Vec<GridLine> {
         let Some(lattice) = &self.lattice else { return Vec::new() };
         let spans = lattice.grid.dims.map(|count| lattice.grid.basis.spans(count));
         let pieces = pieces.max(1);

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-9;
 
 /// A request to write a shot file.
 #[derive(Clone, Debug)]
-pub struct WriteShot<'a> {
+pub(crate) struct WriteShot<'a> {
     /// Output file; relative paths start at its directory.
     pub path: &'a Path,
     /// The shot to start from, in the same directory; `None`: the existing contents of the file, if any.
@@ -37,7 +37,7 @@ pub struct WriteShot<'a> {
 
 /// Contents of a file that does not exist yet.
 #[derive(Clone, Copy, Debug)]
-pub struct NewShot<'a> {
+pub(crate) struct NewShot<'a> {
     /// What is warped.
     pub subject: Subject<'a>,
     /// First and last frame.
@@ -50,7 +50,7 @@ pub struct NewShot<'a> {
 
 /// What a shot warps, as known to the host.
 #[derive(Clone, Copy, Debug)]
-pub enum Subject<'a> {
+pub(crate) enum Subject<'a> {
     /// Whole frames, with #### for the number; the shape is the frame.
     Plate(&'a Path),
     /// A picture whose alpha is the shape.
@@ -63,7 +63,7 @@ pub enum Subject<'a> {
 /// # Errors
 /// [`LiveError`] if the base or the file is not a shot, the file is the base, one of its inputs or not a regular file,
 /// it cannot be written, or other pins would act besides these.
-pub fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
+pub(crate) fn write_shot(job: &WriteShot) -> Result<(), LiveError> {
     job.check_base()?;
     job.guard()?.check(job.path)?;
     let origin = job.origin();

@@ -128,7 +128,7 @@ impl Field {
 
     /// Concatenates fields: each one warps the result of the previous one.
     #[must_use]
-    pub fn chain(fields: Vec<Self>) -> Self {
+    pub(crate) fn chain(fields: Vec<Self>) -> Self {
         Self { parts: fields.into_iter().flat_map(|field| field.parts).collect() }
     }
 
@@ -150,8 +150,9 @@ impl Field {
     }
 
     /// Returns the image of a point and the gradient there (column = derivative along x, y).
+    #[cfg(test)]
     #[must_use]
-    pub fn evaluate_with_gradient(&self, point: ScreenPoint) -> (ScreenPoint, DMat2) {
+    pub(crate) fn evaluate_with_gradient(&self, point: ScreenPoint) -> (ScreenPoint, DMat2) {
         let (moved, gradient) = self.displace(point.0);
         (ScreenPoint(point.0 + moved), gradient)
     }
@@ -159,7 +160,7 @@ impl Field {
     /// Returns the preimage of `point`, searched for from `start`; `None` if the search does not converge. In folds,
     /// where several preimages exist, returns the one that the search finds first.
     #[must_use]
-    pub fn inverse(&self, point: ScreenPoint, start: ScreenPoint) -> Option<ScreenPoint> {
+    pub(crate) fn inverse(&self, point: ScreenPoint, start: ScreenPoint) -> Option<ScreenPoint> {
         self.back(point.0, start.0 - point.0).map(|(offset, _)| ScreenPoint(point.0 + offset))
     }
 

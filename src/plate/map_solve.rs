@@ -32,7 +32,7 @@ impl WarpMap {
     /// `coverage`: coverage of a pixel of the unwarped picture, 0 to 1, relative to the upper left corner of the
     /// display window. Folds in which nothing is visible are not counted.
     #[must_use]
-    pub fn backward_showing(
+    pub(crate) fn backward_showing(
         field: &Field,
         (frame, window): (FrameSize, PixelRect),
         coverage: impl Fn([i32; 2]) -> f32,
@@ -63,7 +63,7 @@ impl WarpMap {
     /// Returns all preimages that are not flipped, front first: the map of [`Self::backward`], followed by maps that are NaN except where
     /// the picture folds over itself. A matted layer needs them because its transparent front does not hide what lies behind.
     #[must_use]
-    pub fn backward_preimages(field: &Field, frame: FrameSize, window: PixelRect) -> Vec<Self> {
+    pub(crate) fn backward_preimages(field: &Field, frame: FrameSize, window: PixelRect) -> Vec<Self> {
         if let Some(surfaces) = field.surfaces() {
             return vec![surfaces.backward_over(window)];
         }
@@ -116,7 +116,7 @@ impl WarpMap {
     /// Returns the target of every pixel centre of a picture. Pixels that are flipped, and pixels that land on another
     /// part of the picture, count as folded.
     #[must_use]
-    pub fn forward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
+    pub(crate) fn forward(field: &Field, frame: FrameSize, window: PixelRect) -> Self {
         let mut map = Self::forward_alone(field, frame, window);
         if !(field.is_one_to_one() || window.area() == 0) {
             map.folded_pixels = map.overlapping(PixelField { field, frame, direction: Direction::Forward });

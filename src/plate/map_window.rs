@@ -17,7 +17,7 @@ impl Field {
     /// Returns the data window after the warp: all pixels that `window` (relative to the display window) reaches. It is
     /// limited to the frame extended by its own size on every side, unless `window` itself reaches further.
     #[must_use]
-    pub fn warped_window(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
+    pub(crate) fn warped_window(&self, frame: FrameSize, window: PixelRect) -> PixelRect {
         if window.area() == 0 || self.is_identity() {
             return window;
         }

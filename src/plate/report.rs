@@ -31,13 +31,13 @@ pub struct ChannelReport {
     #[serde(rename = "meaning")]
     pub semantic: Semantic,
     /// How the semantic was determined.
-    pub reason: SemanticReason,
+    pub(crate) reason: SemanticReason,
 }
 
 /// How the semantic of a channel was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum SemanticReason {
+pub(crate) enum SemanticReason {
     /// Set in the shot.
     Shot,
     /// Set in the metadata of the file.

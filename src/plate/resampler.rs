@@ -8,7 +8,7 @@ use crate::image::Plate;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A device that resamples planes.
-pub trait Resampler: Send {
+pub(crate) trait Resampler: Send {
     /// Name of the device, for messages and metadata.
     fn name(&self) -> String;
 

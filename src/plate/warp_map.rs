@@ -51,7 +51,7 @@ impl WarpMap {
     /// column 0 for a step to the right, column 1 for a step DOWN, in pixels. Ignores steps across the edge of a
     /// surface; an isolated pixel gets the identity.
     #[must_use]
-    pub fn jacobian(&self, index: usize) -> [[f32; 2]; 2] {
+    pub(crate) fn jacobian(&self, index: usize) -> [[f32; 2]; 2] {
         let width = self.window.width as usize;
         let (column, row) = (index % width, index / width);
         let x = self.step(index, 1, (column, width));

@@ -66,20 +66,20 @@ pub(crate) fn channel_semantics(head: &Plate, settings: &WarpSettings) -> Vec<Ch
 
 /// Warps a sequence of plates and reuses memory between them.
 #[derive(Default)]
-pub struct Warper {
+pub(crate) struct Warper {
     context: ResampleContext,
 }
 
 impl Warper {
     /// Creates a warper that resamples colour on a device instead of on the CPU.
     #[must_use]
-    pub fn on(device: Box<dyn Resampler>) -> Self {
+    pub(crate) fn on(device: Box<dyn Resampler>) -> Self {
         Self { context: ResampleContext::with_device(Some(device)) }
     }
 
     /// Returns the name of the resampling device; `None` for the CPU, including after the device has failed.
     #[must_use]
-    pub fn device(&self) -> Option<String> {
+    pub(crate) fn device(&self) -> Option<String> {
         self.context.device()
     }
 
@@ -135,7 +135,7 @@ impl Warper {
     ///
     /// # Errors
     /// As [`remap_plate`].
-    pub fn remap(
+    pub(crate) fn remap(
         &self,
         plate: &Plate,
         map: &WarpMap,
@@ -195,7 +195,8 @@ pub fn warp_plate(plate: &Plate, job: &PlateJob) -> Result<(Plate, PlateReport),
 ///
 /// # Errors
 /// The errors of [`remap_plate`].
-pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
+#[cfg(test)]
+pub(crate) fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Plate, PlateReport), PlateError> {
     Warper::default().undo(plate, job, reach)
 }
 
@@ -203,6 +204,11 @@ pub fn undo_plate(plate: &Plate, job: &PlateJob, reach: PixelRect) -> Result<(Pl
 ///
 /// # Errors
 /// [`PlateError::WrongMap`] if the map belongs to a frame of another size.
-pub fn remap_plate(plate: &Plate, map: &WarpMap, settings: &WarpSettings) -> Result<(Plate, PlateReport), PlateError> {
+#[cfg(test)]
+pub(crate) fn remap_plate(
+    plate: &Plate,
+    map: &WarpMap,
+    settings: &WarpSettings,
+) -> Result<(Plate, PlateReport), PlateError> {
     Warper::default().remap(plate, map, settings)
 }

@@ -5,7 +5,7 @@
 //! same name in `shaders/` and `raster/cpu/` compute the same thing.
 
 pub mod cpu;
-pub mod geometry;
+pub(crate) mod geometry;
 pub mod vulkan;
 
 mod error;
@@ -14,7 +14,8 @@ mod window;
 
 pub use crate::image::ChannelGroup;
 pub use error::RasterError;
-pub use open::{open, resampler};
+pub use open::open;
+pub(crate) use open::resampler;
 
 use crate::image::Frame;
 use crate::image::cryptomatte::MatteId;
@@ -51,7 +52,7 @@ pub struct RasterVertex {
 }
 
 /// The Cryptomattes that a frame can have: by node names, material names, and the shot's layer names.
-pub const MATTE_LAYERS: [&str; 3] = ["CryptoObject", "CryptoMaterial", "CryptoLayer"];
+pub(crate) const MATTE_LAYERS: [&str; 3] = ["CryptoObject", "CryptoMaterial", "CryptoLayer"];
 
 /// Triangles with the same material and ids; drawn in the given order.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +65,7 @@ pub struct Draw {
     pub layer_id: u32,
     /// 1 + index of the node in the scene.
     pub object_id: u32,
-    /// Ids in the Cryptomattes, in the order of [`MATTE_LAYERS`]; [`MatteId::NOTHING`]: no coverage there.
+    /// Ids in the Cryptomattes: of its node, material and layer; 0: no coverage there.
     pub mattes: [MatteId; MATTE_LAYERS.len()],
     /// Whether the node mirrors the part, so that front faces are clockwise.
     pub is_mirrored: bool,

@@ -37,7 +37,7 @@ pub fn open(choice: &DeviceChoice, scene: &Scene) -> Result<(Box<dyn Raster + Se
 ///
 /// # Errors
 /// [`RasterError`] if a named device cannot be opened.
-pub fn resampler(choice: &DeviceChoice) -> Result<Option<Box<dyn Resampler>>, RasterError> {
+pub(crate) fn resampler(choice: &DeviceChoice) -> Result<Option<Box<dyn Resampler>>, RasterError> {
     let open = || VulkanRemap::open(choice);
     let boxed = |device| -> Box<dyn Resampler> { Box::new(device) };
     match choice {

@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Which files a scene may refer to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FileAccess {
+pub(crate) enum FileAccess {
     /// Files in or below the scene's folder; symbolic links that lead out of it count as outside.
     #[default]
     SceneFolder,

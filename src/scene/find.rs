@@ -104,7 +104,7 @@ impl Scene {
 
     /// Returns `node` and all its descendants, in node order; empty if there is no such node.
     #[must_use]
-    pub fn subtree(&self, node: usize) -> Vec<usize> {
+    pub(crate) fn subtree(&self, node: usize) -> Vec<usize> {
         let mut is_inside = vec![false; self.nodes.len()];
         for index in node..self.nodes.len() {
             // Parents come first, so theirs is already known.

@@ -29,7 +29,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with(path: &Path, access: FileAccess) -> Result<Scene, SceneError> {
+pub(crate) fn load_with(path: &Path, access: FileAccess) -> Result<Scene, SceneError> {
     let bytes = access::read_scene_file(path)?;
     let mut warnings = Vec::new();
     let parsed = json::parse(path, &bytes, &mut warnings)?;

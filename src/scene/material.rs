@@ -93,7 +93,7 @@ pub struct Texture {
     /// Index into [`super::Scene::images`].
     pub image: usize,
     /// Wrap modes across and down.
-    pub wrap: [Wrap; 2],
+    pub(crate) wrap: [Wrap; 2],
     /// Magnification filter.
     pub magnify: Filter,
     /// Minification filter within a mipmap level.
@@ -104,7 +104,7 @@ pub struct Texture {
 
 /// Sampler wrap modes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrap {
+pub(crate) enum Wrap {
     /// Repeats.
     Repeat,
     /// Repeats, every second copy mirrored.

@@ -30,15 +30,17 @@ mod tangents;
 mod texture;
 mod vertices;
 
-pub use access::FileAccess;
+pub(crate) use access::FileAccess;
 pub(crate) use card::cut_card;
 pub use card::frame_card;
 pub use error::SceneError;
 pub use find::FindError;
 pub(crate) use load::files_beside;
-pub use load::{load, load_with};
-pub use material::{AlphaMode, Filter, Image, Material, Texture, TextureRef, Wrap};
-pub use pack::{Packed, pack};
+pub use load::load;
+pub(crate) use load::load_with;
+pub(crate) use material::Wrap;
+pub use material::{AlphaMode, Filter, Image, Material, Texture, TextureRef};
+pub(crate) use pack::{Packed, pack};
 pub(crate) use pictures::{Picture, picture_cards};
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
@@ -168,7 +170,7 @@ pub struct Primitive {
 impl Primitive {
     /// Returns whether there is anything to draw.
     #[must_use]
-    pub fn is_visible(&self) -> bool {
+    pub(crate) fn is_visible(&self) -> bool {
         !(self.triangles.is_empty() && self.lines.is_empty())
     }
 
@@ -268,12 +270,12 @@ pub struct Clip {
     /// Time of the last key in seconds.
     pub end_secs: f32,
     /// One per node and property.
-    pub tracks: Vec<Track>,
+    pub(crate) tracks: Vec<Track>,
 }
 
 /// Keys of one property of one node.
 #[derive(Clone, Debug)]
-pub struct Track {
+pub(crate) struct Track {
     /// Index into [`Scene::nodes`].
     pub node: usize,
     /// Interpolation between keys.
@@ -297,7 +299,7 @@ pub(crate) enum Interpolation {
 
 /// The values of a track, by its property.
 #[derive(Clone, Debug)]
-pub enum TrackValues {
+pub(crate) enum TrackValues {
     /// Translations in metres.
     Translation(Vec<Vec3>),
     /// Quaternions (cubic tangents are not unit).

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// A file without references to other files.
 #[derive(Clone, Debug)]
-pub struct Packed {
+pub(crate) struct Packed {
     /// The JSON; all buffer views are in buffer 0, and `buffers` is omitted.
     pub json: Value,
     /// Buffer 0.
@@ -22,7 +22,7 @@ pub struct Packed {
 ///
 /// # Errors
 /// [`SceneError`] if the file or a buffer cannot be read, violates the format, or requires an unsupported extension.
-pub fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
+pub(crate) fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
     let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;
     let mut packed = Packed { json: json::untouched(path, &bytes)?, binary: Vec::new() };

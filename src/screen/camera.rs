@@ -88,7 +88,7 @@ impl Camera {
 
     /// Projects a point in f64, without rounding it to f32 as mesh vertices are.
     #[must_use]
-    pub fn project_exact(&self, point: DVec3) -> Projected {
+    pub(crate) fn project_exact(&self, point: DVec3) -> Projected {
         let view = self.view_from_scene.transform_point3(point);
         let depth = -view.z;
         let w = match self.lens {
@@ -139,7 +139,7 @@ impl Camera {
 
     /// Returns the lens.
     #[must_use]
-    pub const fn lens(&self) -> Lens {
+    pub(crate) const fn lens(&self) -> Lens {
         self.lens
     }
 
@@ -163,7 +163,7 @@ impl Camera {
 
     /// Returns the unit scene vector from the scene towards the viewer along the view axis.
     #[must_use]
-    pub fn towards_viewer(&self) -> Vec3 {
+    pub(crate) fn towards_viewer(&self) -> Vec3 {
         self.scene_from_view().z_axis.truncate().as_vec3()
     }
 

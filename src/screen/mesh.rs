@@ -23,7 +23,7 @@ pub struct ScreenPart {
 
 /// Projects every vertex of a pose.
 #[must_use]
-pub fn project(pose: &Pose, camera: &Camera) -> ScreenMesh {
+pub(crate) fn project(pose: &Pose, camera: &Camera) -> ScreenMesh {
     let part = |part: &PosedPart| ScreenPart {
         vertices: part.positions.par_iter().with_min_len(4096).map(|&point| camera.project(point)).collect(),
     };

@@ -13,5 +13,6 @@ pub(crate) use bounds::{Extent, bounds, reach_of_frame};
 pub use camera::{Camera, CameraPlacement, Projected};
 pub(crate) use camera::{automatic, fit_distance};
 pub(crate) use clip::{Corner, clip_near};
-pub use mesh::{ScreenMesh, ScreenPart, primitive, project};
+pub(crate) use mesh::project;
+pub use mesh::{ScreenMesh, ScreenPart, primitive};
 pub(crate) use pick::{Hit, pick};

@@ -7,7 +7,7 @@ use super::keys::Span;
 
 /// The camera of a shot.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum CameraRule {
+pub(crate) enum CameraRule {
     /// The scene's first camera; without any, one that shows the whole scene.
     #[default]
     Automatic,
@@ -19,14 +19,14 @@ pub enum CameraRule {
 
 /// A camera defined by the shot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OwnCamera {
+pub(crate) struct OwnCamera {
     /// At least one; frames strictly increasing, all of the same `CameraKey::kind`.
     pub keys: Vec<CameraKey>,
 }
 
 /// A keyframe of a camera. Angles are in degrees.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CameraKey {
+pub(crate) struct CameraKey {
     /// Its frame.
     pub frame: f64,
     /// Position and orientation.
@@ -42,7 +42,7 @@ pub struct CameraKey {
 /// Position and orientation of a camera. Yaw rotates it around the scene's y axis (0: at +z, 90: at +x), pitch raises
 /// it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum CameraAim {
+pub(crate) enum CameraAim {
     /// Orbits its target.
     Orbit {
         /// The centre of the orbit.
@@ -74,7 +74,7 @@ pub enum CameraAim {
 
 /// The target of a camera.
 #[derive(Clone, Debug, PartialEq)]
-pub enum LookAt {
+pub(crate) enum LookAt {
     /// The centre of everything visible.
     Scene,
     /// The centre of the nodes that match a pattern, with their subtrees.
@@ -87,7 +87,7 @@ pub enum LookAt {
 
 /// The projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CameraLens {
+pub(crate) enum CameraLens {
     /// Perspective: the vertical field of view in degrees.
     Fov(f64),
     /// Orthographic: the visible height in metres.
@@ -112,7 +112,7 @@ impl OwnCamera {
     /// Returns the indices of the keys around a (fractional) frame, and the weight of the second, 0 to 1; an ease may
     /// overshoot.
     #[must_use]
-    pub fn keys_at(&self, frame: f64) -> Option<(usize, usize, f64)> {
+    pub(crate) fn keys_at(&self, frame: f64) -> Option<(usize, usize, f64)> {
         let span = Span::of(&self.keys, frame, |key| (key.frame, key.ease))?;
         let index = |key: &CameraKey| self.keys.iter().position(|other| std::ptr::eq(other, key));
         Some((index(span.from)?, index(span.to)?, span.weight))
@@ -121,7 +121,7 @@ impl OwnCamera {
 
 /// The drawn nodes, as patterns of node names, each including its subtree.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Visibility {
+pub(crate) struct Visibility {
     /// Nodes that are hidden.
     pub hide: Vec<String>,
     /// Exceptions from `hide`; if `hide` is empty, only these are drawn.

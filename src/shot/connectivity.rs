@@ -16,7 +16,7 @@ pub(super) const CONTRAST: f64 = 0.25;
 
 /// The connectivity of a layer's parts, in addition to their rest geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Connectivity {
+pub(crate) struct Connectivity {
     /// Cuts, in the order of the shot.
     pub(crate) cuts: Vec<Cut>,
     /// One per cut: the order in depth of the part that it chooses; empty: that of the part's pins.

@@ -58,7 +58,7 @@ pub enum ShotError {
 impl ShotError {
     /// Returns the individual faults: the parts of [`ShotError::Many`], else the error itself.
     #[must_use]
-    pub fn each(&self) -> &[Self] {
+    pub(crate) fn each(&self) -> &[Self] {
         match self {
             Self::Many(errors) => errors,
             single => std::slice::from_ref(single),

@@ -11,7 +11,7 @@ impl Shot {
     /// Returns 32 hexadecimal digits over everything that affects the frames. Excluded are the name and folder of the
     /// shot file, the output path, and the contents of the scene file.
     #[must_use]
-    pub fn hash(&self) -> String {
+    pub(crate) fn hash(&self) -> String {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let mut content = self.clone();
         match &mut content.source {

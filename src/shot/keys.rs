@@ -55,7 +55,7 @@ impl Shot {
     ///
     /// A step holds only the last point: pins on twos follow the same path.
     #[must_use]
-    pub fn pin_path(&self, layer: usize, frame: f64) -> Vec<PinTargets> {
+    pub(crate) fn pin_path(&self, layer: usize, frame: f64) -> Vec<PinTargets> {
         self.layers.get(layer).map(|layer| layer.pin_path(&self.frames, frame)).unwrap_or_default()
     }
 }

@@ -6,12 +6,12 @@ use std::collections::HashMap;
 
 /// One-based lines of keys and list items, by their paths.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct KeyLines(HashMap<String, usize>);
+pub(crate) struct KeyLines(HashMap<String, usize>);
 
 impl KeyLines {
     /// Returns the line of a key; if the key is missing, that of the table that should contain it, else 1.
     #[must_use]
-    pub fn of(&self, key: &str) -> usize {
+    pub(crate) fn of(&self, key: &str) -> usize {
         let mut known = key;
         loop {
             if let Some(&line) = self.0.get(known) {

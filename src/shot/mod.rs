@@ -28,18 +28,18 @@ mod selection;
 mod structure;
 pub mod template;
 
-pub use camera::*;
-pub use connectivity::Connectivity;
+pub(crate) use camera::*;
+pub(crate) use connectivity::Connectivity;
 pub(crate) use connectivity::CutSurface;
 pub(crate) use connectivity::{Cut, IdChoice, IdPicture, LineArt};
 pub use error::ShotError;
 pub(crate) use hash::digest;
-pub use lines::KeyLines;
+pub(crate) use lines::KeyLines;
 pub use model::*;
 pub(crate) use order::OrderKey;
 pub(crate) use order::order_at;
 pub use schema::schema;
-pub use selection::{ColorChannel, PaintedMask, Selection};
+pub(crate) use selection::{ColorChannel, PaintedMask, Selection};
 
 use crate::files::{SHOT_BYTES, read_text};
 use document::Document;

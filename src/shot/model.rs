@@ -20,22 +20,22 @@ pub struct Shot {
     /// The shot file.
     pub path: PathBuf,
     /// The lines of its keys, for messages.
-    pub lines: KeyLines,
+    pub(crate) lines: KeyLines,
     /// The source that the lattices deform.
-    pub source: Source,
+    pub(crate) source: Source,
     /// Finished frames for `pinwarp warp`, as a path with a frame counter; `None`: given on the command line.
     pub plate: Option<PathBuf>,
     /// The settings of plate warps.
     pub warp: WarpSettings,
     /// The camera.
-    pub camera: CameraRule,
+    pub(crate) camera: CameraRule,
     /// The drawn nodes of the scene.
-    pub visibility: Visibility,
+    pub(crate) visibility: Visibility,
     /// Whether the scene may refer to files outside its folder. Not a key of the file: the user who runs the program
     /// decides.
     pub allow_outside: bool,
     /// Name or index of the clip; `None`: the scene's first, if it has any.
-    pub clip: Option<ClipName>,
+    pub(crate) clip: Option<ClipName>,
     /// Whether the clip loops.
     pub is_looped: bool,
     /// Frame range and rate.
@@ -105,7 +105,7 @@ impl Shot {
 
 /// The source that the lattices of a shot deform.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
+pub(crate) enum Source {
     /// A glTF scene.
     Scene(PathBuf),
     /// Pictures, from back to front: each becomes a node named after its file (or its EXR layer), with the outline of
@@ -117,7 +117,7 @@ pub enum Source {
 
 /// A clip, by name or index.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ClipName {
+pub(crate) enum ClipName {
     /// By its name.
     Name(String),
     /// By its index in the file.
@@ -154,7 +154,7 @@ impl FrameRange {
 
     /// Returns the number of frames, first and last included.
     #[must_use]
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         usize::try_from(i64::from(self.last) - i64::from(self.first) + 1).unwrap_or(0)
     }
 }
@@ -177,7 +177,7 @@ pub struct Layer {
     /// is included: all nodes.
     pub nodes: Vec<String>,
     /// The part of the meshes of those nodes.
-    pub selection: Selection,
+    pub(crate) selection: Selection,
     /// The lattice's space, its handles and its box.
     pub space: LayerSpace,
     /// The orientation of its box.
@@ -188,7 +188,7 @@ pub struct Layer {
     /// Whether the shot leaves the topology of the lattice open. Over pictures it then branches where it can.
     pub has_auto_topology: bool,
     /// Cuts and joins of its parts, for branching lattices.
-    pub connectivity: Connectivity,
+    pub(crate) connectivity: Connectivity,
     /// Basis of the lattice.
     pub basis: Basis,
     /// The solver's settings.
@@ -198,15 +198,15 @@ pub struct Layer {
     /// Factor of offsets, rotations and log-scales (the shot's strength times the layer's).
     pub strength: f64,
     /// Parts that are stiffer or softer than the rest.
-    pub stiffness: Vec<StiffnessRule>,
+    pub(crate) stiffness: Vec<StiffnessRule>,
     /// Brush strokes of stiffness, which multiply what the rules say, in the order of the file.
-    pub strokes: Vec<BrushStroke>,
+    pub(crate) strokes: Vec<BrushStroke>,
     /// The plane at which mirrored pins are reflected; `None`: the layer's own plane of symmetry at rest.
     pub(crate) symmetry: Option<AxisPlane>,
     /// Pins.
     pub pins: Vec<Pin>,
     /// Manually moved handles.
-    pub handles: Vec<HandleTrack>,
+    pub(crate) handles: Vec<HandleTrack>,
     /// Lattices solved elsewhere, which replace pins and handles.
     pub transfer: Option<Transfer>,
     /// The part of a plate that the layer moves; `None`: see [`Self::unmatted`].
@@ -280,7 +280,7 @@ impl Layer {
 impl LayerSpace {
     /// Returns the number of handles along x, y and z; in screen space one layer of them.
     #[must_use]
-    pub const fn dims(self) -> [usize; 3] {
+    pub(crate) const fn dims(self) -> [usize; 3] {
         match self {
             Self::Screen { dims: [nx, ny], .. } => [nx, ny, 1],
             Self::World { dims, .. } => dims,
@@ -348,9 +348,9 @@ pub struct Pin {
     /// The pin whose mirrored keys it takes; `keys` and `unit` are those of that pin.
     pub(crate) mirror: Option<Mirror>,
     /// Unit of the offsets.
-    pub unit: OffsetUnit,
+    pub(crate) unit: OffsetUnit,
     /// The region that it carries; `None`: only its point.
-    pub region: Option<PinRegion>,
+    pub(crate) region: Option<PinRegion>,
     /// Weight, 0..=1, on a logarithmic scale: how firmly it holds its point; 1: exactly.
     pub weight: f64,
     /// Whether it is inactive.
@@ -361,14 +361,14 @@ pub struct Pin {
     /// Keys, frames strictly increasing, at least one.
     pub keys: Vec<PinKey>,
     /// Keys of its rotation alone, frames strictly increasing; `keys` then hold none. Empty: `keys` hold the rotation.
-    pub rotate_keys: Vec<ChannelKey<Rotation>>,
+    pub(crate) rotate_keys: Vec<ChannelKey<Rotation>>,
     /// Keys of its scale alone, as `rotate_keys`.
-    pub scale_keys: Vec<ChannelKey<f64>>,
+    pub(crate) scale_keys: Vec<ChannelKey<f64>>,
 }
 
 /// The region that a pin carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinRegion {
+pub(crate) struct PinRegion {
     /// Distance of its rim from the pin: frame heights (world layers: metres), with [`OffsetUnit::Box`] diagonals of
     /// the lattice's box.
     pub radius: f64,
@@ -380,7 +380,7 @@ pub struct PinRegion {
 
 /// An entry of `[[layer.stiffness]]` without a stroke; overlapping entries are multiplied.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StiffnessRule {
+pub(crate) struct StiffnessRule {
     /// The part that it applies to.
     pub part: StiffPart,
     /// The stiffness, > 0; 1 is that of everything else.
@@ -389,7 +389,7 @@ pub struct StiffnessRule {
 
 /// A part of a layer with its own stiffness.
 #[derive(Clone, Debug, PartialEq)]
-pub enum StiffPart {
+pub(crate) enum StiffPart {
     /// Patterns of node names, including their subtrees.
     Nodes(Vec<String>),
     /// Everything with a material.
@@ -401,7 +401,7 @@ pub enum StiffPart {
 /// A brush stroke of stiffness over the surface of a model at rest: an entry of `[[layer.stiffness]]` with `stroke`. Later
 /// strokes of a layer paint over earlier ones.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BrushStroke {
+pub(crate) struct BrushStroke {
     /// Patterns of the names of the nodes that it paints, including their subtrees; empty: all of the layer.
     pub nodes: Vec<String>,
     /// Points of its line in the scene at rest (without a clip): metres, in pictures frame heights.
@@ -440,7 +440,7 @@ pub enum Anchor {
 /// Unit of a pin's offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum OffsetUnit {
+pub(crate) enum OffsetUnit {
     /// Frame heights; metres where an offset has three numbers.
     #[default]
     Frame,
@@ -455,17 +455,17 @@ pub struct PinKey {
     pub frame: f64,
     /// Its goal.
     pub goal: Goal,
-    /// Rotation in degrees; `None`: unconstrained, or in [`Pin::rotate_keys`].
+    /// Rotation in degrees; `None`: unconstrained, or in `rotate_keys`.
     pub rotate_degrees: Option<Rotation>,
-    /// Scale; `None`: unconstrained, or in [`Pin::scale_keys`].
+    /// Scale; `None`: unconstrained, or in `scale_keys`.
     pub scale: Option<f64>,
     /// Easing of the segment that starts at this key.
-    pub ease: Ease,
+    pub(crate) ease: Ease,
 }
 
 /// A key of one channel of a pin: of its rotation, in degrees, or of its scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ChannelKey<V> {
+pub(crate) struct ChannelKey<V> {
     /// Its frame.
     pub frame: f64,
     /// The value.
@@ -499,7 +499,7 @@ pub enum Rotation {
 /// The shape of a segment between keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Ease {
+pub(crate) enum Ease {
     /// Keeps the value until the next key.
     Hold,
     /// Linear interpolation.
@@ -513,7 +513,7 @@ pub enum Ease {
 
 /// Keys of one lattice handle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HandleTrack {
+pub(crate) struct HandleTrack {
     /// Column, row and layer; in screen space the layer is 0.
     pub index: [usize; 3],
     /// Keys with offsets in box sizes; frames strictly increasing.
@@ -522,7 +522,7 @@ pub struct HandleTrack {
 
 /// A key of a handle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HandleKey {
+pub(crate) struct HandleKey {
     /// Its frame.
     pub frame: f64,
     /// Offset from the rest position in box sizes along its axes; in screen space the third component is 0.

@@ -9,7 +9,7 @@ pub(super) const FEATHER: f64 = 0.1;
 
 /// The part that a layer takes of its nodes' meshes: the intersection of its rules; without rules the whole meshes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// Whether it takes only what no other layer takes.
     pub is_rest: bool,
     /// Patterns of joint names (`*`, `?`, and a leading `!` to exclude): vertices are taken by their weight to these
@@ -27,7 +27,7 @@ pub struct Selection {
 
 /// A picture painted over the UVs of meshes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PaintedMask {
+pub(crate) struct PaintedMask {
     /// The picture.
     pub file: PathBuf,
     /// Its channel.
@@ -61,7 +61,7 @@ impl Selection {
 /// A channel of vertex colours or of a mask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum ColorChannel {
+pub(crate) enum ColorChannel {
     /// Red.
     R,
     /// Green.

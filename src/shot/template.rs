@@ -8,7 +8,7 @@ use toml_edit::Value;
 
 /// The facts about a scene that the template uses.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TemplateFacts {
+pub(crate) struct TemplateFacts {
     /// The subject of the shot.
     pub subject: Subject,
     /// Whether the lattice of a scene can branch in good time: the scene has no lines, and not too many triangles.
@@ -33,7 +33,7 @@ pub struct TemplateFacts {
 
 /// The subject of a shot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
+pub(crate) enum Subject {
     /// A glTF scene.
     Scene,
     /// A picture.
@@ -42,7 +42,7 @@ pub enum Subject {
 
 /// A clip as the template lists it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ClipFact {
+pub(crate) struct ClipFact {
     /// Its name, or its index as text if it has none.
     pub name: String,
     /// Its duration in seconds.
@@ -57,7 +57,7 @@ const LISTED_NAMES: usize = 12;
 
 /// Returns a commented, working shot of `scene_file`, a path relative to the shot file.
 #[must_use]
-pub fn write(scene_file: &str, facts: &TemplateFacts) -> String {
+pub(crate) fn write(scene_file: &str, facts: &TemplateFacts) -> String {
     let (head, output) = match facts.subject {
         Subject::Scene => (head(scene_file, facts), OUTPUT),
         Subject::Image => (image_head(scene_file, facts), IMAGE_OUTPUT),

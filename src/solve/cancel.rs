@@ -30,7 +30,7 @@ pub struct Cancel<'a> {
 impl<'a> Cancel<'a> {
     /// A `Cancel` that never stops the solve.
     #[must_use]
-    pub const fn never() -> Self {
+    pub(crate) const fn never() -> Self {
         Self { hook: None, is_requested: Cell::new(false) }
     }
 

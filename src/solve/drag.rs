@@ -80,7 +80,8 @@ impl<const D: usize> Solver<D> {
     ///
     /// # Errors
     /// [`SolveError`] if the solution belongs to another solver.
-    pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
+    #[cfg(test)]
+    pub(crate) fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
         let own = |branches: &BranchedLattice<D>| {
             self.system().has_pieces_of(branches) || self.box_rotation().has_pieces_of(branches)
         };
@@ -120,7 +121,7 @@ impl<'a, const D: usize> CancellableSolver<'a, D> {
 impl<const D: usize> Drag<'_, D> {
     /// Moves pins and handles to new targets in a few steps, without a report. Pins reach their targets at once; the shape
     /// follows in the same move or, after a jump, within a few moves (docs/METHOD.md, "Convergence", gives the lag). Returns the
-    /// largest branch of a lattice that branches; [`Self::branches`] returns all of them.
+    /// largest branch of a lattice that branches.
     ///
     /// # Errors
     /// Those of [`Solver::update`].
@@ -142,7 +143,7 @@ impl<const D: usize> Drag<'_, D> {
 
     /// Branches after the last move; `None` where the lattice of the solver is plain.
     #[must_use]
-    pub fn branches(&self) -> Option<BranchedLattice<D>> {
+    pub(crate) fn branches(&self) -> Option<BranchedLattice<D>> {
         let upright = self.solver.system().branches(&self.handles)?;
         Some(self.solver.box_rotation().branches(upright))
     }

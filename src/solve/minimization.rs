@@ -69,7 +69,7 @@ impl<const D: usize> MinimizationResult<D> {
 
 /// Energy terms without their weights, and the weighted sum.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Energies {
+pub(crate) struct Energies {
     /// Distortion of the shape, E_ml.
     pub ml: f64,
     /// Pins, E_mp.

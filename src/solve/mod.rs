@@ -57,7 +57,7 @@ pub(crate) use branching::nearest_barycentric;
 pub(crate) use linalg::small_matrix::symmetric_eigen;
 
 pub(crate) use branching::Bending;
-pub use branching::{BranchedLattice, Link};
+pub(crate) use branching::{BranchedLattice, Link};
 pub(crate) use branching::{LinkEnd, LinkKind};
 pub(crate) use branching::{
     continued, inner_widths, islands_of, link_length, nearest_link, solid_links, surface_links,
@@ -66,9 +66,9 @@ pub use cancel::Cancel;
 pub use constraints::ConstraintOwner;
 pub use drag::Drag;
 pub use error::SolveError;
-pub use minimization::Energies;
 pub use pin_residuals::{PinResidual, ResidualReason};
-pub use problem::{HandlePin, ModelPoint, PointPin, Problem, Region, Shape};
+pub use problem::{HandlePin, PointPin, Problem, Shape};
+pub(crate) use problem::{ModelPoint, Region};
 pub use report::{Solution, SolveReport, Stationarity};
 pub use settings::{
     DuplicateVertices, EdgeWeights, Energy, Guard, Lambdas, Minima, OutsidePins, PinHold, Regularizer, Sampling,
@@ -77,5 +77,5 @@ pub use settings::{
 pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
 pub(crate) use trajectory::knots_per_gib;
-pub use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};
+pub(crate) use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};
 pub(crate) use upright::Upright;

@@ -48,7 +48,7 @@ pub enum ResidualReason {
 impl ResidualReason {
     /// Returns the reason in words, to follow "the pin is off its target: ". `name_of` returns the name of a pin for its index.
     #[must_use]
-    pub fn words(&self, name_of: impl Fn(usize) -> String) -> String {
+    pub(crate) fn words(&self, name_of: impl Fn(usize) -> String) -> String {
         let holder = |holder: &ConstraintOwner| match *holder {
             ConstraintOwner::Pin(pin) => format!("pin {}", name_of(pin)),
             ConstraintOwner::Handle(entry) => format!("moved handle {entry}"),

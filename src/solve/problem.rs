@@ -20,7 +20,7 @@ pub struct Shape<const D: usize> {
     pub stiffness: Vec<f64>,
     /// Links that connect triangles, for [`Topology::Branching`](super::Topology::Branching). `None` links the triangles that
     /// share an edge at rest, and isolated parts to the nearest ones.
-    pub links: Option<Arc<Vec<Link>>>,
+    pub(crate) links: Option<Arc<Vec<Link>>>,
 }
 
 impl<const D: usize> Shape<D> {
@@ -43,7 +43,7 @@ impl<const D: usize> Shape<D> {
 
 /// A point of the model at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ModelPoint<const D: usize> {
+pub(crate) struct ModelPoint<const D: usize> {
     /// Rest position; a point outside the box counts as the nearest point of the box.
     pub at: [f64; D],
     /// Triangle of the shape on which the point lies, for shapes that overlap themselves; `None` for the nearest triangle.
@@ -62,7 +62,7 @@ pub struct PointPin<const D: usize> {
     /// Prescribed gradient at the pin (columns: images of the axes), for pins that hold a rotation and a scale.
     pub gradient: Option<[[f64; D]; D]>,
     /// Neighbourhood that moves with the pin; `None` for the point alone.
-    pub region: Option<Region>,
+    pub(crate) region: Option<Region>,
     /// Triangle of the shape on which the point lies, for shapes that overlap themselves; `None` for the nearest triangle.
     pub triangle: Option<u32>,
 }
@@ -83,7 +83,7 @@ impl<const D: usize> PointPin<D> {
 
 /// Neighbourhood that moves with a pin; its effect fades out smoothly from the pin to the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Region {
+pub(crate) struct Region {
     /// Radius of the rim around the pin at rest, in units of the space.
     pub radius: f64,
     /// Rigidity with which the neighbourhood moves with the pin, from 0 (none) to 1 (rigid).

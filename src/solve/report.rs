@@ -65,7 +65,7 @@ pub struct Solution<const D: usize> {
     /// The lattice; the largest branch of a branching lattice.
     pub lattice: Lattice<D>,
     /// All branches, where parts of the shape have their own copies of handles.
-    pub branches: Option<BranchedLattice<D>>,
+    pub(crate) branches: Option<BranchedLattice<D>>,
     /// Quality of the solution.
     pub report: SolveReport,
 }

@@ -208,7 +208,7 @@ pub struct Settings {
     /// Window of the Anderson acceleration, which precedes Newton steps (docs/METHOD.md, "Convergence"); 0 gives the plain
     /// local-global iteration without acceleration and Newton steps.
     pub acceleration: usize,
-    /// Temporal weight in frames: how strongly a [`super::Trajectory`] couples neighbouring times; 0 solves each time alone.
+    /// Temporal weight in frames: how strongly a layer couples neighbouring times; 0 solves each time alone.
     pub temporal: f64,
 }
 

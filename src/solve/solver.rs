@@ -60,7 +60,7 @@ impl<const D: usize> Solver<D> {
     ///
     /// # Errors
     /// Those of [`Self::new`], and [`SolveError::Cancelled`].
-    pub fn build(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
+    pub(crate) fn build(problem: &Problem<D>, cancel: &Cancel) -> Result<Self, SolveError> {
         problem.grid.check()?;
         let upright = Upright::of(problem.grid);
         let (pins, handles) = (upright.pins(problem.pins), upright.handles(problem.handles));
@@ -119,7 +119,7 @@ impl<const D: usize> Solver<D> {
 
     /// Returns the folded cells of a lattice over the same grid, and which of them are active.
     #[must_use]
-    pub fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
+    pub(crate) fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
         self.system.folds(lattice)
     }
 

@@ -48,15 +48,8 @@ impl PixelRect {
     }
 
     /// Returns the pixels common to both windows; may be empty.
-    ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
-    /// assert_eq!(a.intersection(b), PixelRect { x: 1, y: 1, width: 1, height: 2 });
-    /// assert_eq!(a.intersection(PixelRect { x: 100, ..b }).area(), 0);
-    /// ```
     #[must_use]
-    pub fn intersection(self, other: Self) -> Self {
+    pub(crate) fn intersection(self, other: Self) -> Self {
         let (own, theirs) = (self.end(), other.end());
         Self::between(self.x.max(other.x), self.y.max(other.y), [0, 1].map(|axis| own[axis].min(theirs[axis])))
     }
@@ -74,14 +67,8 @@ impl PixelRect {
     }
 
     /// Returns the window extended by `by` pixels on every side.
-    ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let window = PixelRect { x: 0, y: 5, width: 4, height: 3 };
-    /// assert_eq!(window.grown(2), PixelRect { x: -2, y: 3, width: 8, height: 7 });
-    /// ```
     #[must_use]
-    pub const fn grown(self, by: u32) -> Self {
+    pub(crate) const fn grown(self, by: u32) -> Self {
         let Self { x, y, width, height } = self;
         let (x, y) = (x.saturating_sub_unsigned(by), y.saturating_sub_unsigned(by));
         Self { x, y, width: width.saturating_add(2 * by), height: height.saturating_add(2 * by) }
@@ -89,16 +76,10 @@ impl PixelRect {
 
     /// Cuts the window into tiles of at most `side` > 0 pixels, ordered in rows from the top.
     ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let tiles = PixelRect { x: -1, y: 0, width: 3, height: 2 }.tiles(2);
-    /// assert_eq!(tiles, [PixelRect { x: -1, y: 0, width: 2, height: 2 }, PixelRect { x: 1, y: 0, width: 1, height: 2 }]);
-    /// ```
-    ///
     /// # Panics
     /// If `side` is 0.
     #[must_use]
-    pub fn tiles(self, side: u32) -> Vec<Self> {
+    pub(crate) fn tiles(self, side: u32) -> Vec<Self> {
         let starts = |length: u32| (0..length).step_by(side as usize);
         let tile = |x: u32, y: u32| Self {
             x: self.x + x as i32,
@@ -110,17 +91,9 @@ impl PixelRect {
     }
 
     /// Returns the index of a pixel among the samples of this window, which are stored in rows from the top; `None` outside.
-    ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let window = PixelRect { x: -2, y: 0, width: 4, height: 3 };
-    /// assert_eq!(window.sample_index([-1, 2]), Some(9));
-    /// assert_eq!(window.pixel_at(9), [-1, 2]);
-    /// assert_eq!(window.sample_index([2, 0]), None);
-    /// ```
     #[must_use]
     #[inline]
-    pub fn sample_index(self, [x, y]: [i32; 2]) -> Option<usize> {
+    pub(crate) fn sample_index(self, [x, y]: [i32; 2]) -> Option<usize> {
         let column = usize::try_from(i64::from(x) - i64::from(self.x)).ok()?;
         let row = usize::try_from(i64::from(y) - i64::from(self.y)).ok()?;
         let is_inside = column < self.width as usize && row < self.height as usize;
@@ -151,16 +124,10 @@ impl PixelRect {
 
     /// Copies the samples of this window into the layout of another window, filling pixels outside this window with `outside`.
     ///
-    /// ```
-    /// use pinwarp::space::PixelRect;
-    /// let (a, b) = (PixelRect { x: 0, y: 0, width: 2, height: 1 }, PixelRect { x: 1, y: 0, width: 2, height: 1 });
-    /// assert_eq!(a.resized_samples(&[1.0, 2.0], b, 0.0), [2.0, 0.0]);
-    /// ```
-    ///
     /// # Panics
     /// If there are fewer samples than pixels.
     #[must_use]
-    pub fn resized_samples<T: Copy>(self, samples: &[T], other: Self, outside: T) -> Vec<T> {
+    pub(crate) fn resized_samples<T: Copy>(self, samples: &[T], other: Self, outside: T) -> Vec<T> {
         let mut result = vec![outside; other.area()];
         for [from, to] in self.shared_rows(other) {
             result[to].copy_from_slice(&samples[from]);
@@ -210,5 +177,41 @@ mod tests {
         assert_eq!(far.intersection(PixelRect { x: i32::MAX, ..far }).width, 8);
         assert_eq!(far.grown(9).y, i32::MIN);
         assert_eq!(far.union(PixelRect { x: i32::MIN, width: 1, ..far }).width, u32::MAX);
+    }
+
+    #[test]
+    fn windows_have_common_pixels_or_none() {
+        let (a, b) = (PixelRect { x: -2, y: 0, width: 4, height: 3 }, PixelRect { x: 1, y: 1, width: 5, height: 5 });
+        assert_eq!(a.intersection(b), PixelRect { x: 1, y: 1, width: 1, height: 2 });
+        assert_eq!(a.intersection(PixelRect { x: 100, ..b }).area(), 0);
+    }
+
+    #[test]
+    fn a_window_grows_on_every_side() {
+        let window = PixelRect { x: 0, y: 5, width: 4, height: 3 };
+        assert_eq!(window.grown(2), PixelRect { x: -2, y: 3, width: 8, height: 7 });
+    }
+
+    #[test]
+    fn tiles_are_in_rows_from_the_top() {
+        let tiles = PixelRect { x: -1, y: 0, width: 3, height: 2 }.tiles(2);
+        assert_eq!(
+            tiles,
+            [PixelRect { x: -1, y: 0, width: 2, height: 2 }, PixelRect { x: 1, y: 0, width: 1, height: 2 }]
+        );
+    }
+
+    #[test]
+    fn indices_of_samples_are_in_rows_from_the_top() {
+        let window = PixelRect { x: -2, y: 0, width: 4, height: 3 };
+        assert_eq!(window.sample_index([-1, 2]), Some(9));
+        assert_eq!(window.pixel_at(9), [-1, 2]);
+        assert_eq!(window.sample_index([2, 0]), None);
+    }
+
+    #[test]
+    fn samples_keep_their_pixels_in_another_window() {
+        let (a, b) = (PixelRect { x: 0, y: 0, width: 2, height: 1 }, PixelRect { x: 1, y: 0, width: 2, height: 1 });
+        assert_eq!(a.resized_samples(&[1.0, 2.0], b, 0.0), [2.0, 0.0]);
     }
 }

@@ -1,6 +1,6 @@
 //! What a person does in a window: keys, clicks, drags, numbers and texts, each by the label of what it is meant for.
 
-use crate::window::{Window, pointer};
+use super::window::{Window, pointer};
 use eframe::egui::{Event, Key, Modifiers, Pos2, Role};
 use egui_kittest::kittest::{Queryable, by};
 

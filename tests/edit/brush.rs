@@ -1,6 +1,6 @@
 //! The brush for stiffness, without a window: strokes, what is seen meanwhile, erasing, undo.
 
-use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, place_pin, until};
+use super::stage::{REACH, SHOT, Stage, TIMEOUT, at, place_pin, until};
 use pinwarp::edit::{Held, PinPart, Ring, Session};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;

@@ -1,7 +1,7 @@
 //! The window of an export has the options of its format.
 
-use crate::stage::{SHOT, Stage};
-use crate::window::{Window, session, settled, window};
+use super::stage::{SHOT, Stage};
+use super::window::{Window, session, settled, window};
 use egui_kittest::kittest::{NodeT, Queryable};
 
 fn order(window: &mut Window, format: &str) {

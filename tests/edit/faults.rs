@@ -1,8 +1,8 @@
 //! What cannot be drawn is told in the window, and what mends it is noticed.
 
-use crate::acts::click;
-use crate::stage::{PINS, SHOT, Stage};
-use crate::window::{Window, opened_with, session, settled, until, window};
+use super::acts::click;
+use super::stage::{PINS, SHOT, Stage};
+use super::window::{Window, opened_with, session, settled, until, window};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use eframe::egui::Shape;

@@ -1,7 +1,7 @@
 //! Files that the editor did not make: models of others, pictures, plates, lattices in the scene, broken shots.
 
-use crate::assets;
-use crate::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
+use super::assets;
+use super::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};

@@ -1,7 +1,7 @@
 //! Handles of a lattice: chosen by a box, nudged, typed, put back.
 
-use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at};
-use crate::window::{Window, session, settled, window};
+use super::stage::{REACH, SHOT, Stage, TIMEOUT, at};
+use super::window::{Window, session, settled, window};
 use eframe::egui::Key;
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::{Held, Ring, Session};

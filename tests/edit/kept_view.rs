@@ -1,7 +1,7 @@
 //! What the window remembers from one session to the next.
 
-use crate::stage::Stage;
-use crate::window::{Window, pointer, settled, window};
+use super::stage::Stage;
+use super::window::{Window, pointer, settled, window};
 use eframe::egui::{self, Key, Modifiers, Rect, Theme};
 use egui_kittest::kittest::Queryable;
 use std::fs;
@@ -102,7 +102,7 @@ fn panels_are_resized_by_keyboard_and_by_screen_readers() {
     window.run_steps(3);
     let after = edges.map(|edge| points(&window, edge));
     assert!(after[1] < grown[1] && after[0] == grown[0], "{grown:?} to {after:?}");
-    let labels = crate::window::session(&window).document().history().labels().count();
+    let labels = super::window::session(&window).document().history().labels().count();
     assert_eq!(labels, 0, "arrows nudge nothing meanwhile");
     drop(window);
     let window = opened(&stage);

@@ -1,9 +1,9 @@
 //! The timeline and its curves without a pointer: by keyboard, and as screen readers see them.
 
-use crate::acts::{click, press};
-use crate::seen::says;
-use crate::stage::{PINS, Stage};
-use crate::window::{Window, changes, opened_with, session, settled, window};
+use super::acts::{click, press};
+use super::seen::says;
+use super::stage::{PINS, Stage};
+use super::window::{Window, changes, opened_with, session, settled, window};
 use eframe::egui::{self, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;

@@ -1,6 +1,6 @@
 //! Keys of pins and handles, without a window: copied, pasted, moved, raised, as curves.
 
-use crate::stage::{PINS, SHOT, Stage};
+use super::stage::{PINS, SHOT, Stage};
 use pinwarp::edit::{Channel, EasePreset, KeyStep, Session, Track};
 use pinwarp::shot::{Ease, HandleKey};
 

@@ -1,9 +1,9 @@
 //! The list of layers and their settings in the real interface: each is seen in the picture, in the marks or in the file.
 
-use crate::acts::{choose, click, number, press};
-use crate::seen::{beside_cards, pictures, says};
-use crate::stage::{PINS, Stage};
-use crate::window::{Window, changes, opened_with, session, settled};
+use super::acts::{choose, click, number, press};
+use super::seen::{beside_cards, pictures, says};
+use super::stage::{PINS, Stage};
+use super::window::{Window, changes, opened_with, session, settled};
 use eframe::egui::{Key, Modifiers};
 
 /// The third frame of the shot with pins, in which the left layer is pulled.

@@ -11,6 +11,7 @@ mod endurance;
 
 mod acts;
 mod brush;
+mod crowd;
 mod export;
 mod faults;
 mod foreign;
@@ -18,6 +19,7 @@ mod handles;
 mod kept_view;
 mod keyboard;
 mod keys;
+mod latency;
 mod layer_panel;
 mod model;
 mod on_disk;

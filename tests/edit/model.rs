@@ -1,6 +1,6 @@
 //! A person's work without a window: place, drag, key, undo, save, render.
 
-use crate::stage::{SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
+use super::stage::{SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
 use pinwarp::edit::{DiskChange, EasePreset, Picture, Quality, Session};
 use pinwarp::image::{preview, read_exr};
 use pinwarp::pipeline::{PreparedShot, RenderOptions, render};

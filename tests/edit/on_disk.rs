@@ -1,9 +1,9 @@
 //! Files in the real interface: those that other programs write, work that a kill left, renders, exports.
 
-use crate::acts::{click, number, press};
-use crate::seen::{says, texts};
-use crate::stage::{PINS, SHOT, Stage};
-use crate::window::{Window, changes, opened_with, session, settled, until, window};
+use super::acts::{click, number, press};
+use super::seen::{says, texts};
+use super::stage::{PINS, SHOT, Stage};
+use super::window::{Window, changes, opened_with, session, settled, until, window};
 use eframe::egui::{Key, Modifiers, ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::RunState;

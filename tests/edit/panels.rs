@@ -1,8 +1,8 @@
 //! The brush, the timeline, the tour and the list of keys in the real interface.
 
-use crate::acts::hold;
-use crate::stage::{PINS, SHOT, Stage};
-use crate::window::{Window, place, pointer, session, settled, until, window};
+use super::acts::hold;
+use super::stage::{PINS, SHOT, Stage};
+use super::window::{Window, place, pointer, session, settled, until, window};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::kittest::Queryable;
 use pinwarp::image::{Preview, write_png};

@@ -1,6 +1,6 @@
 //! What a pin can be told beside where it goes: weight, rest, stiffness, its other side; and what becomes of keys and handles.
 
-use crate::stage::{PINS, REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
+use super::stage::{PINS, REACH, SHOT, Stage, TIMEOUT, at, drag, place_pin, press, until};
 use pinwarp::edit::{Channel, Held, PinPart, Ring, Session};
 use pinwarp::shot::{Goal, Pin, Rotation};
 

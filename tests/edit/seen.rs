@@ -1,6 +1,6 @@
 //! What the last pass of a window drew: pictures with their pixels, letters, lines, fills.
 
-use crate::window::Window;
+use super::window::Window;
 use eframe::egui::{Color32, ColorImage, Context, Id, ImageData, Pos2, Rect, Shape, Stroke, TextureId, TexturesDelta};
 use egui_kittest::TestRenderer;
 use std::collections::BTreeMap;

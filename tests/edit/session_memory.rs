@@ -1,10 +1,10 @@
 //! The memory of a long session stays flat.
 
-use crate::endurance::{Endurance, resident_bytes};
+use super::endurance::{Endurance, resident_bytes};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Names the seconds of [`a_long_session`]. An hour: `PINWARP_SOAK_SECS=3600 cargo test --release --test edit -- --ignored
+/// Names the seconds of [`a_long_session`]. An hour: `PINWARP_SOAK_SECS=3600 cargo test --release --lib -- --ignored
 /// a_long_session --nocapture`.
 const SECS: &str = "PINWARP_SOAK_SECS";
 
@@ -36,7 +36,9 @@ fn memory_stays_flat() {
     let mut program = Command::new(std::env::current_exe().expect("this program"));
     // One heap that returns what is free: the figures then tell what is in use.
     program.envs([("MALLOC_ARENA_MAX", "1"), ("MALLOC_TRIM_THRESHOLD_", "65536"), (SECS, "10")]);
-    let output = program.args(["--exact", "session_memory::a_long_session", "--ignored", "--nocapture"]).output();
+    let output = program
+        .args(["--exact", "internal::edit::session_memory::a_long_session", "--ignored", "--nocapture"])
+        .output();
     let output = output.expect("it runs");
     let told = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{told}{}", String::from_utf8_lossy(&output.stderr));

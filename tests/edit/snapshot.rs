@@ -3,7 +3,7 @@
 //! All of it is drawn on the CPU by code of this program, with the toolkit's own fonts, so pictures hardly differ from machine to machine.
 //! `UPDATE=1` writes them anew.
 
-use crate::stage::{Stage, TIMEOUT, at, place_pin, press};
+use super::stage::{Stage, TIMEOUT, at, place_pin, press};
 use pinwarp::edit::ui::{EditorOptions, Theme, screenshot};
 use pinwarp::image::{Plate, read_picture};
 use pinwarp::raster::DeviceChoice;

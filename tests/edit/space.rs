@@ -1,6 +1,6 @@
 //! Lattices in the scene: their handles and pins in metres follow the pen; their dims change without losing the edit.
 
-use crate::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag};
+use super::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag};
 use pinwarp::edit::{Channel, EasePreset, Held, Ring, Session};
 use pinwarp::shot::{Goal, Rotation};
 use std::fs;

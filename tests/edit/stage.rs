@@ -1,6 +1,6 @@
 //! A shot that is small enough to be drawn in no time, and an editor on it.
 
-use crate::tiny::{Tiny, grid};
+use super::tiny::{Tiny, grid};
 use pinwarp::edit::{Document, Held, Ring, Session};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::space::ScreenPoint;

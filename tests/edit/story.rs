@@ -1,8 +1,8 @@
 //! One sitting with a model of others, from opening it to rendered frames, by clicks, drags and keys alone.
 
-use crate::acts::{click, drag, press, write};
-use crate::assets::asset;
-use crate::window::{Window, changes, place, pointer, session, settled, until, window};
+use super::acts::{click, drag, press, write};
+use super::assets::asset;
+use super::window::{Window, changes, place, pointer, session, settled, until, window};
 use eframe::egui::{self, Key, Modifiers, Pos2, Rect};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::{RunState, open};

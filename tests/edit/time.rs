@@ -1,9 +1,9 @@
 //! Playback, its range, and exposure in the real interface. The clock of the window is the test's own.
 
-use crate::acts::{choose, click, drag, press};
-use crate::seen::fills;
-use crate::stage::{PINS, Stage};
-use crate::window::{Window, changes, opened_with, place, session, settled, until};
+use super::acts::{choose, click, drag, press};
+use super::seen::fills;
+use super::stage::{PINS, Stage};
+use super::window::{Window, changes, opened_with, place, session, settled, until};
 use eframe::egui::{Color32, Key, Modifiers, Rect, ViewportId};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::{Channel, RunState};

@@ -1,10 +1,10 @@
 //! What is laid over the picture and how it is shown: each switch is seen in what the window draws.
 
-use crate::acts::{click, drag, hold, number, press};
-use crate::seen::{beside_cards, curves, fills, meshes, pictures, says, segments, texts};
-use crate::stage::{PINS, Stage};
-use crate::window::{Window, changes, opened_with, place, pointer, session, settled};
-use crate::window::{until, window};
+use super::acts::{click, drag, hold, number, press};
+use super::seen::{beside_cards, curves, fills, meshes, pictures, says, segments, texts};
+use super::stage::{PINS, Stage};
+use super::window::{Window, changes, opened_with, place, pointer, session, settled};
+use super::window::{until, window};
 use eframe::egui::{
     self, Color32, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Rect, TouchPhase,
 };

@@ -1,7 +1,7 @@
 //! The real interface, driven through its accessibility tree and by a pointer: what a person does in the first three minutes.
 
-use crate::seen::Textures;
-use crate::stage::{SHOT, Stage, TIMEOUT};
+use super::seen::Textures;
+use super::stage::{SHOT, Stage, TIMEOUT};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;

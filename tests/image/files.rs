@@ -1,6 +1,6 @@
 //! Whole files or none: cut off, damaged, malformed, no room, no permission.
 
-use crate::support::{ALL, metadata, names_in, rect, sample_frame, write};
+use super::support::{ALL, metadata, names_in, rect, sample_frame, write};
 use pinwarp::image::{
     Channel, Compression, Frame, ImageError, Plate, PlatePart, Preview, Storage, is_complete, picture_size, read_exr,
     read_metadata, read_plate, write_exr, write_plate, write_png,

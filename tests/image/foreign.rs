@@ -1,8 +1,8 @@
 //! OpenEXR and OpenImageIO open what we write, and find in it what we put there.
 
-use crate::assets::asset;
-use crate::python;
-use crate::support::{ALL, metadata, sample_frame};
+use super::assets::asset;
+use super::python;
+use super::support::{ALL, metadata, sample_frame};
 use half::f16;
 use pinwarp::image::{Channel, Plate, Storage, read_plate, write_exr, write_plate};
 use pinwarp::space::PixelRect;

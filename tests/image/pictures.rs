@@ -1,6 +1,6 @@
 //! PNG and JPEG in and out.
 
-use crate::support::rect;
+use super::support::rect;
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, Rgba};
 use pinwarp::image::{Channel, Frame, ImageError, Plate, Storage, read_any, read_picture, write_any, write_picture};
 use std::fs;

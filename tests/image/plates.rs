@@ -1,7 +1,7 @@
 //! Whole files of other programs, read and written again: every part, view, channel, window and attribute.
 
-use crate::assets::asset;
-use crate::support::{CHANNELS, metadata, rect, sample_frame, write};
+use super::assets::asset;
+use super::support::{CHANNELS, metadata, rect, sample_frame, write};
 use pinwarp::image::{Channel, Frame, Plate, Storage, is_complete, read_exr, read_metadata, read_plate, write_plate};
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! What is in the files: values, windows, metadata, the same bytes every time.
 
-use crate::support::{ALL, CHANNELS, bits, metadata, rect, sample_frame, write};
+use super::support::{ALL, CHANNELS, bits, metadata, rect, sample_frame, write};
 use exr::prelude::{MetaData, Vec2};
 use pinwarp::image::{
     Compression, Frame, FrameMetadata, Preview, Storage, is_complete, preview, read_exr, read_metadata, write_exr,

@@ -1,6 +1,6 @@
 //! The energies, each as its formula reads.
 
-use crate::problem::Problem;
+use super::problem::Problem;
 use std::array::from_fn;
 
 /// Rows of a matrix.

@@ -1,6 +1,6 @@
 //! A problem file, read once more, and rows of W and differences of the lattice evaluated point by point.
 
-use crate::formulas::Terms;
+use super::formulas::Terms;
 use serde_json::Value;
 
 /// What the formulas need of a problem.

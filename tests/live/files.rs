@@ -1,7 +1,7 @@
 //! Shot files: what is written solves to the same lattices; what stands there already stays.
 
-use crate::shots::{SIZE, legs};
-use crate::support::{HD, eight_pins};
+use super::shots::{SIZE, legs};
+use super::support::{HD, eight_pins};
 use pinwarp::live::{
     Controls, LiveError, NewShot, OwnPins, Pin, PinTrack, ShapeSource, ShotShape, Subject, TrackKey, WriteShot,
     read_shot, warp, write_shot,

@@ -1,6 +1,6 @@
 //! Pixels of warped pictures: tiles, threads, masks, backgrounds, alpha.
 
-use crate::support::{WIDE, bent, job, noise, picture};
+use super::support::{WIDE, bent, job, noise, picture};
 use glam::DVec2;
 use pinwarp::live::{Alpha, Controls, LiveError, Moved, Pin, Render, ShapeSource, render, render_pieces, warp};
 use pinwarp::plate::Filter;

@@ -1,6 +1,6 @@
 //! Regions hold what is drawn and what is read; STMaps are those of the engine.
 
-use crate::support::{WIDE, bent, job, noise, picture};
+use super::support::{WIDE, bent, job, noise, picture};
 use pinwarp::image::{Compression, Frame, Storage};
 use pinwarp::live::{Alpha, OutputGuard, Render, StMapFile, render, save_stmap, stmap};
 use pinwarp::plate::{Filter, WarpMap, stmap_of};

@@ -1,6 +1,6 @@
 //! Warps from controls: pins arrive, the engine's own solve is met to the bit, what is kept is kept by content.
 
-use crate::support::{HD, eight_pins};
+use super::support::{HD, eight_pins};
 use pinwarp::live::{Controls, Coverage, LiveError, Moved, Pin, ShapeSource, Warning, Warp, last_of_alpha, warp};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;

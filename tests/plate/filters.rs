@@ -1,6 +1,6 @@
 //! Our filters beside those of OpenCV and OpenImageIO, on one warp.
 
-use crate::python;
+use super::python;
 use pinwarp::plate::{Filter, Planes, WarpMap, resampled};
 use pinwarp::space::FrameSize;
 use std::path::Path;

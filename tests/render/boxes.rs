@@ -1,7 +1,7 @@
 //! Where lattices stand, and where pins are.
 
-use crate::support::{Studio, write_scene};
-use crate::tiny::{Lens, Part, Tiny, grid};
+use super::support::{Studio, write_scene};
+use super::tiny::{Lens, Part, Tiny, grid};
 use pinwarp::pipeline::{PinAnchor, PreparedShot};
 use pinwarp::raster::ChannelGroup;
 use pinwarp::screen::project;

@@ -1,7 +1,7 @@
 //! Branching lattices over a model: legs that cross on the screen stay apart, steadily.
 
-use crate::assets::asset;
-use crate::support::{Studio, automatic_puppet};
+use super::assets::asset;
+use super::support::{Studio, automatic_puppet};
 use pinwarp::pipeline::{PinAnchor, PreparedShot, TimeSample, lattices, report};
 use pinwarp::shot::Shot;
 use pinwarp::solve::Guard;

@@ -1,7 +1,7 @@
 //! The camera that a frame's file tells is the camera that took it.
 
-use crate::support::{Studio, at, pixels};
-use crate::tiny::{Lens, Tiny, grid};
+use super::support::{Studio, at, pixels};
+use super::tiny::{Lens, Tiny, grid};
 use exr::meta::MetaData;
 use glam::{DVec2, DVec4, Mat4};
 use pinwarp::image::read_exr;

@@ -1,6 +1,6 @@
 //! What a shot cuts and joins of a scene under a branching lattice.
 
-use crate::tiny::{Part, Tiny, grid};
+use super::tiny::{Part, Tiny, grid};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::shot::Shot;
 use pinwarp::solve::Topology;

@@ -1,8 +1,8 @@
 //! Data channels are one exact sample at the pixel centre and mid-shutter: the number of samples does not change them, and
 //! ids agree with the Cryptomatte.
 
-use crate::assets::asset;
-use crate::support::{Studio, at, pixels};
+use super::assets::asset;
+use super::support::{Studio, at, pixels};
 use pinwarp::image::cryptomatte::MatteId;
 use pinwarp::image::{Frame, read_exr};
 use pinwarp::pipeline::PreparedShot;

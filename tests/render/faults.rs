@@ -1,7 +1,7 @@
 //! Devices that fail and users who stop a render: the other frames are good, and nothing hangs.
 
-use crate::support::{Studio, pinned_layer};
-use crate::tiny::{Tiny, grid};
+use super::support::{Studio, pinned_layer};
+use super::tiny::{Tiny, grid};
 use pinwarp::image::{Frame, is_complete};
 use pinwarp::pipeline::{Event, PreparedShot, RenderOptions, Summary, render_on};
 use pinwarp::raster::cpu::CpuRaster;

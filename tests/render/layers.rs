@@ -1,7 +1,7 @@
 //! Layers with lattices of their own.
 
-use crate::support::{Studio, at, pixels};
-use crate::tiny::{Part, Tiny, grid};
+use super::support::{Studio, at, pixels};
+use super::tiny::{Part, Tiny, grid};
 use pinwarp::image::Frame;
 
 /// Three squares side by side; two layers claim the outer ones.

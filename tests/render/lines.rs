@@ -1,7 +1,7 @@
 //! Line drawings: drawn, warped and kept in shape by `stroke`.
 
-use crate::support::{Studio, at, pixels};
-use crate::tiny::{Part, Tiny, grid};
+use super::support::{Studio, at, pixels};
+use super::tiny::{Part, Tiny, grid};
 use pinwarp::image::Frame;
 use serde_json::{Value, json};
 

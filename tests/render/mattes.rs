@@ -1,8 +1,8 @@
 //! Cryptomattes in files: names and ids agree, blur and edges are shared out, the bytes are the same every time.
 
-use crate::python;
-use crate::support::{Studio, at, pinned_layer, pixels};
-use crate::tiny::{Part, Tiny, grid};
+use super::python;
+use super::support::{Studio, at, pinned_layer, pixels};
+use super::tiny::{Part, Tiny, grid};
 use pinwarp::image::cryptomatte::{MatteHeader, MatteId, matte_layers};
 use pinwarp::image::{Frame, read_plate};
 use pinwarp::raster::{ChannelGroup, MATTE_LAYERS};

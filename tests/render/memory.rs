@@ -1,6 +1,6 @@
 //! What a render holds for every triangle of a scene.
 
-use crate::support::Studio;
+use super::support::Studio;
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::Raster;
 use pinwarp::raster::cpu::CpuRaster;
@@ -144,7 +144,7 @@ impl Raster for Boxed {
 
 /// The most memory that a render of a ball had, KiB; `None`: it cannot be told here, said so.
 fn most_kib(on: &str, temporal: &str, side: u32) -> Option<u64> {
-    let arguments = ["--exact", "memory::probe", "--ignored", "--nocapture"];
+    let arguments = ["--exact", "internal::render::memory::probe", "--ignored", "--nocapture"];
     let mut command = Command::new(std::env::current_exe().expect("this program"));
     command.args(arguments).env("PINWARP_SIDE", side.to_string()).env("PINWARP_ON", on);
     command.env("PINWARP_TEMPORAL", temporal);

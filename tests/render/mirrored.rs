@@ -1,7 +1,7 @@
 //! Pins that follow others, mirrored by the model's own symmetry.
 
-use crate::support::Studio;
-use crate::tiny::{Lens, Part, Tiny, grid};
+use super::support::Studio;
+use super::tiny::{Lens, Part, Tiny, grid};
 use glam::DQuat;
 use pinwarp::pipeline::{PinState, PipelineError, PreparedShot};
 use pinwarp::shot::Shot;

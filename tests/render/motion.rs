@@ -1,7 +1,7 @@
 //! Motion vectors and motion blur.
 
-use crate::support::{Studio, at, is_interior, pinned_layer, pixels};
-use crate::tiny::{Part, Tiny, grid};
+use super::support::{Studio, at, is_interior, pinned_layer, pixels};
+use super::tiny::{Part, Tiny, grid};
 use pinwarp::image::Frame;
 use pinwarp::shot::Shutter;
 

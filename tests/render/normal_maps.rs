@@ -1,7 +1,7 @@
 //! Normal maps: bumps point up in the image, with stored tangents and without, mirrored, skinned and morphed; on the CPU
 //! and on Vulkan.
 
-use crate::support::{Studio, at};
+use super::support::{Studio, at};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{Vec3, Vec4};

@@ -1,7 +1,7 @@
 //! Cameras of the shot and hidden nodes: where things are seen, what is drawn, exported and named.
 
-use crate::support::{Studio, at, pixels};
-use crate::tiny::{Lens, Tiny, grid};
+use super::support::{Studio, at, pixels};
+use super::tiny::{Lens, Tiny, grid};
 use glam::DVec3;
 use pinwarp::pipeline::{BakeTimes, PreparedShot};
 use pinwarp::shot::Shot;

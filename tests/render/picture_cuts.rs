@@ -1,7 +1,7 @@
 //! Cuts of a picture: an arm that touches the body is one with it until a stroke, a mask, ids or the lines of the drawing cut them apart.
 
-use crate::pictures::{SIZE, Wall, body_and_arm, drawn};
-use crate::support::at;
+use super::pictures::{SIZE, Wall, body_and_arm, drawn};
+use super::support::at;
 use pinwarp::image::cryptomatte::MatteId;
 use pinwarp::image::{Channel, Storage};
 use pinwarp::shot::Shot;

@@ -1,6 +1,6 @@
 //! Shots of pictures: nothing moves to the bit, pins move smoothly, pictures lie over one another.
 
-use crate::support::at;
+use super::support::at;
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Storage, read_exr, write_exr};
 use pinwarp::pipeline::{Event, OpenShot, PreparedShot, RenderOptions, render};
 use pinwarp::raster::ChannelGroup;

@@ -1,7 +1,7 @@
 //! What pins do to the picture.
 
-use crate::support::{Studio, count_differences, hold, pinned_layer};
-use crate::tiny::{Tiny, grid};
+use super::support::{Studio, count_differences, hold, pinned_layer};
+use super::tiny::{Tiny, grid};
 
 const STILL: [&str; 9] = ["R", "G", "B", "A", "depth.Z", "N.X", "N.Y", "N.Z", "id.object"];
 

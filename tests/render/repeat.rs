@@ -1,6 +1,6 @@
 //! The same frame is the same bytes: twice, in chunks, backwards, in tiles.
 
-use crate::support::Studio;
+use super::support::Studio;
 use pinwarp::image::{Channel, Frame, Storage, read_exr};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::cpu::CpuRaster;

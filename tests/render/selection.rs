@@ -1,8 +1,8 @@
 //! Layers of parts of meshes: by nodes, joints, materials, vertex colours and masks; what is left of them; and no seams.
 
-use crate::assets::asset;
-use crate::support::{Studio, at, pixels};
-use crate::tiny::{Part, Tiny, grid};
+use super::assets::asset;
+use super::support::{Studio, at, pixels};
+use super::tiny::{Part, Tiny, grid};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use pinwarp::export::gltf::BakedShape;

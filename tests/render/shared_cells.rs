@@ -1,7 +1,7 @@
 //! Pins that are to move apart though too few cells lie between them are told, with what helps.
 
-use crate::support::{Studio, automatic_puppet};
-use crate::tiny::{Tiny, grid};
+use super::support::{Studio, automatic_puppet};
+use super::tiny::{Tiny, grid};
 use pinwarp::pipeline::{PreparedShot, report};
 
 /// What is said of two pins a fifteenth of the mesh from each other that go so far apart.

@@ -1,7 +1,7 @@
 //! Stiffness painted in a shot, and regions of pins, in the solved lattice.
 
-use crate::support::Studio;
-use crate::tiny::{Part, Tiny, grid};
+use super::support::Studio;
+use super::tiny::{Part, Tiny, grid};
 use pinwarp::pipeline::{OpenShot, PipelineError, PreparedShot, Rework};
 use pinwarp::shot::{BrushStroke, ColorChannel, PinRegion, Shot, StiffPart, StiffnessRule};
 use pinwarp::space::ScreenPoint;

@@ -1,6 +1,6 @@
 //! Shots rendered into temporary folders, and their pixels.
 
-use crate::tiny::Tiny;
+use super::tiny::Tiny;
 use pinwarp::image::{Frame, read_exr};
 use pinwarp::pipeline::{PreparedShot, RenderOptions, Summary, render, render_on};
 use pinwarp::raster::{DeviceChoice, Raster};

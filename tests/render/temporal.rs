@@ -1,7 +1,7 @@
 //! What moves evenly is warped evenly: rigid motion, and jerk against the input's own.
 
-use crate::support::{Studio, hold, pinned_layer};
-use crate::tiny::{Tiny, grid};
+use super::support::{Studio, hold, pinned_layer};
+use super::tiny::{Tiny, grid};
 use pinwarp::pipeline::{FrameReport, Jerk, JerkMeter, PreparedShot, lattices, report};
 use pinwarp::shot::{Shot, Transfer, TransferFit};
 use pinwarp::space::FrameSize;
@@ -125,7 +125,7 @@ fn an_evenly_raised_arm_is_quiet_and_a_strip_that_snaps_is_not() {
     let (told, [warp, input]) = said_of_jerk(&studio.prepared(), 4..=9);
     assert!(warp > 2.5 && input < 1e-3, "it turns without jerk of the keys: {warp} {input}");
     assert_eq!(told, [""; 0]);
-    let mut snapping = crate::trajectories::swing("temporal = 0");
+    let mut snapping = super::trajectories::swing("temporal = 0");
     snapping.shot.size = FrameSize::new(1728, 1080);
     let (told, _) = said_of_jerk(&snapping.prepared(), 1..=9);
     assert!(told.iter().any(|text| text.starts_with("layer 'strip': the warp jerks by")), "{told:?}");
@@ -133,7 +133,7 @@ fn an_evenly_raised_arm_is_quiet_and_a_strip_that_snaps_is_not() {
 
 #[test]
 fn the_knights_raised_arm_is_quiet() {
-    let Some(knight) = crate::assets::asset("kaykit/Knight.glb") else { return };
+    let Some(knight) = super::assets::asset("kaykit/Knight.glb") else { return };
     let text = format!(
         "version = 1\nscene = {knight:?}\ncamera = \"front\"\nshow = [\"Knight_*\"]\nsize = [1280, 960]\n\
          frames = {{ first = 1, last = 18, rate = 24, clip = \"T-Pose\" }}\n[[layer]]\nname = \"arm\"\nnodes = [\"Knight_*\"]\n\

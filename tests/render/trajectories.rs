@@ -1,8 +1,8 @@
 //! Layers with a temporal weight: no snaps, also within a frame, and each frame the same alone and among others.
 
-use crate::bisection;
-use crate::support::Studio;
-use crate::tiny::{Tiny, grid};
+use super::bisection;
+use super::support::Studio;
+use super::tiny::{Tiny, grid};
 use glam::DVec3;
 use pinwarp::lattice::ScreenLattice;
 use pinwarp::pipeline::{PreparedShot, report};

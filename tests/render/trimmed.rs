@@ -1,6 +1,6 @@
 //! Trimmed shots: a frame within `solve_range` stays what it is, whichever frames are rendered.
 
-use crate::support::Studio;
+use super::support::Studio;
 use pinwarp::shot::{LayerSpace, Shot};
 use std::path::Path;
 

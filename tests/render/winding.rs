@@ -1,7 +1,7 @@
 //! Pins that wind a part up: frames do not jump at half a turn, and each is the same alone and among others.
 
-use crate::support::Studio;
-use crate::tiny::{Tiny, grid};
+use super::support::Studio;
+use super::tiny::{Tiny, grid};
 use pinwarp::lattice::ScreenLattice;
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! Lattices of the scene: pins in metres and pins dragged on the screen move the meshes themselves.
 
-use crate::support::{Studio, at, count_differences, is_interior, pixels};
-use crate::tiny::{Lens, Part, Tiny, grid};
+use super::support::{Studio, at, count_differences, is_interior, pixels};
+use super::tiny::{Lens, Part, Tiny, grid};
 use glam::{DQuat, DVec3};
 use pinwarp::pipeline::{PreparedShot, TimeSample, WorldSolution, report};
 use pinwarp::space::{ScreenPoint, ScreenVector};

@@ -1,6 +1,6 @@
 //! Which files a scene may make the program read.
 
-use crate::build::{Doc, write};
+use super::build::{Doc, write};
 use pinwarp::scene::{FileAccess, SceneError, load, load_with, pack};
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Tracks, clips and what they move.
 
-use crate::build::{Doc, I16, U8};
+use super::build::{Doc, I16, U8};
 use glam::{Quat, Vec3};
 use pinwarp::pose::{ClipChoice, Pose, pose};
 use pinwarp::scene::{Scene, TrackValues};

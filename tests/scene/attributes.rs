@@ -1,6 +1,6 @@
 //! Every way a file may store vertices.
 
-use crate::build::{Doc, F32, I8, I16, U8, U16, U32, le, le16};
+use super::build::{Doc, F32, I8, I16, U8, U16, U32, le, le16};
 use glam::{Vec2, Vec3, Vec4};
 use pinwarp::scene::{Influence, Scene};
 use serde_json::json;

@@ -1,7 +1,7 @@
 //! Damaged files must be refused or loaded, never bring the program down; what loads must pose.
 
-use crate::assets::shared;
-use crate::build::{Doc, load_bytes};
+use super::assets::shared;
+use super::build::{Doc, load_bytes};
 use pinwarp::pose::{ClipChoice, pose};
 use serde_json::json;
 
@@ -28,7 +28,7 @@ fn survive(bytes: &[u8]) -> bool {
 /// A file with every kind of data: skin, morph, sparse, clip.
 fn rich() -> Doc {
     let mut doc = Doc::square();
-    let joints = doc.accessor(&[0, 1, 0, 0].repeat(4), crate::build::U8, "VEC4", 4);
+    let joints = doc.accessor(&[0, 1, 0, 0].repeat(4), super::build::U8, "VEC4", 4);
     let weights = doc.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(4));
     let up = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
     let indices = doc.view(&[1, 3]);

@@ -1,7 +1,7 @@
 //! Extensions: what only changes shading is approximated, instances become nodes, flat normals follow the pose.
 
-use crate::assets::shared;
-use crate::build::{Doc, F32, I8, I16};
+use super::assets::shared;
+use super::build::{Doc, F32, I8, I16};
 use glam::{Quat, Vec3, Vec4};
 use pinwarp::pose::{ClipChoice, Pose, pose};
 use pinwarp::scene::{AlphaMode, FileAccess, Scene, load, pack};
@@ -125,7 +125,7 @@ fn instances_are_nodes_below_their_node_and_move_with_it() {
 #[test]
 fn instances_become_nodes_of_the_packed_file() {
     let folder = tempfile::tempdir().unwrap();
-    let path = crate::build::write(folder.path(), "a.glb", &instanced().glb());
+    let path = super::build::write(folder.path(), "a.glb", &instanced().glb());
     let packed = pack(&path, FileAccess::default()).unwrap();
     let scene = load(&path).unwrap();
     for (node, &number) in scene.nodes.iter().zip(&scene.file_from_scene) {
@@ -205,7 +205,7 @@ fn worst_flat_normal(scene: &Scene, posed: &Pose) -> f32 {
 fn flat_normals_are_those_of_the_posed_triangles() {
     // Two triangles; the joints of their corners turn against each other.
     let mut doc = Doc::points(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]]);
-    let indices = doc.accessor(&[0, 1, 2, 0, 2, 3], crate::build::U8, "SCALAR", 6);
+    let indices = doc.accessor(&[0, 1, 2, 0, 2, 3], super::build::U8, "SCALAR", 6);
     doc.primitive()["indices"] = json!(indices);
     let lift = doc.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, -0.5, 0.3, 0.2, 0.1]);
     let turned = doc.floats("VEC3", &[0.0, 1.0, 0.0].repeat(4));
@@ -221,7 +221,7 @@ fn flat_normals_are_those_of_the_posed_triangles() {
     }
     let joints = doc.accessor(
         [[0u8, 0, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0]].as_flattened(),
-        crate::build::U8,
+        super::build::U8,
         "VEC4",
         4,
     );

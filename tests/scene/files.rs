@@ -1,6 +1,6 @@
 //! Containers, buffers, extensions, node trees: what a file may be made of, and what must be refused.
 
-use crate::build::{Doc, F32, U8, base64, load_bytes, write};
+use super::build::{Doc, F32, U8, base64, load_bytes, write};
 use glam::Vec3;
 use pinwarp::pose::{ClipChoice, pose};
 use pinwarp::scene::{FindError, SceneError, load};

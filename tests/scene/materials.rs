@@ -1,6 +1,6 @@
 //! Materials, textures, images and lights.
 
-use crate::build::{Doc, base64, write};
+use super::build::{Doc, base64, write};
 use glam::{Vec2, Vec3, Vec4};
 use pinwarp::pose::{ClipChoice, pose};
 use pinwarp::scene::{AlphaMode, Filter, LightKind, TextureRef, Wrap, load};

@@ -54,7 +54,7 @@ fn assert_places(error: &ShotError, text: &str) {
 }
 
 proptest! {
-    #![proptest_config(crate::random::config(2000))]
+    #![proptest_config(super::random::config(2000))]
 
     #[test]
     fn damaged_shots_never_panic(

@@ -3,7 +3,7 @@
 //! In: how long it goes on. Out: printed memory; its slope by a straight line through what follows the warm-up, which must
 //! not exceed a bound. Every second round takes back what the one before did, so the shot itself does not grow.
 
-use crate::tiny::{Tiny, grid};
+use super::tiny::{Tiny, grid};
 use pinwarp::edit::{Document, EasePreset, Held, PinPart, Ring, Session};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::edit::Setting;

@@ -65,7 +65,7 @@ fn probe() {
 }
 
 fn probe_with(drivers: &str) -> String {
-    let arguments = ["--exact", "devices::probe", "--ignored", "--nocapture"];
+    let arguments = ["--exact", "internal::vulkan::devices::probe", "--ignored", "--nocapture"];
     let run = Command::new(std::env::current_exe().unwrap()).args(arguments).env(DRIVERS, drivers).output().unwrap();
     let text = String::from_utf8_lossy(&run.stdout);
     text.lines().find(|line| line.contains("PROBE")).unwrap_or_else(|| panic!("{text}")).to_owned()

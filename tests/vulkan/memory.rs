@@ -53,7 +53,7 @@ fn probe() {
 
 #[test]
 fn memory_is_flat_over_the_frames() {
-    let arguments = ["--exact", "memory::probe", "--ignored", "--nocapture"];
+    let arguments = ["--exact", "internal::vulkan::memory::probe", "--ignored", "--nocapture"];
     let run = Command::new(std::env::current_exe().unwrap()).args(arguments).output().unwrap();
     let text = String::from_utf8_lossy(&run.stdout);
     let found = text.lines().find_map(|line| line.split_once("PROBE ").map(|(_, found)| found.to_owned()));

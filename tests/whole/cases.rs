@@ -27,7 +27,7 @@ pub(crate) fn seed() -> u64 {
 }
 
 /// HD and 4K.
-pub(crate) const FRAMES: [FrameSize; 2] = [crate::frame(1920, 1080), crate::frame(3840, 2160)];
+pub(crate) const FRAMES: [FrameSize; 2] = [super::frame(1920, 1080), super::frame(3840, 2160)];
 
 /// Nearest that two pins lie to each other, pixels.
 const APART: f64 = 20.0;

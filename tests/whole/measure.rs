@@ -1,6 +1,6 @@
 //! What a warp does to a whole picture, measured on a dense grid and around its pins.
 
-use crate::cases::Case;
+use super::cases::Case;
 use pinwarp::live::Warp;
 use pinwarp::space::{FrameSize, ScreenPoint};
 

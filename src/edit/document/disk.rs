@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// The result of checking the file on disk.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DiskChange {
+pub(crate) enum DiskChange {
     /// Unchanged.
     None,
     /// Another program wrote it, and it was reloaded, as there are no unsaved changes.
@@ -87,7 +87,7 @@ impl Document {
     ///
     /// # Errors
     /// [`EditError`] if the file on disk is not a valid shot.
-    pub fn check_disk(&mut self) -> Result<DiskChange, EditError> {
+    pub(crate) fn check_disk(&mut self) -> Result<DiskChange, EditError> {
         self.read_disk().map_or(Ok(DiskChange::None), |found| self.follow_disk(found))
     }
 

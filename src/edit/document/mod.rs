@@ -6,7 +6,7 @@
 mod disk;
 mod relocation;
 
-pub use disk::DiskChange;
+pub(crate) use disk::DiskChange;
 
 use super::EditError;
 use super::command::Command;
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 /// An open shot file.
 #[derive(Debug)]
-pub struct Document {
+pub(crate) struct Document {
     /// Its absolute path.
     path: PathBuf,
     text: String,
@@ -45,7 +45,7 @@ impl Document {
     ///
     /// # Errors
     /// [`EditError`] if the file cannot be read or is not a valid shot.
-    pub fn open(path: &Path) -> Result<Self, EditError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, EditError> {
         let text = read_text(path, SHOT_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
         let mut document = Self::new(path, text.clone())?;
         document.known.insert(document.path.clone(), text);
@@ -56,7 +56,7 @@ impl Document {
     ///
     /// # Errors
     /// [`EditError`] if the text is not a valid shot.
-    pub fn new(path: &Path, text: String) -> Result<Self, EditError> {
+    pub(crate) fn new(path: &Path, text: String) -> Result<Self, EditError> {
         let path = absolute(path);
         let shot = Shot::parse(&text, &path)?;
         let (known, history, access) = (BTreeMap::new(), History::default(), FileAccess::default());
@@ -124,31 +124,31 @@ impl Document {
 
     /// Returns the absolute path of the shot file.
     #[must_use]
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Returns the text.
     #[must_use]
-    pub fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.text
     }
 
     /// Returns the parsed shot.
     #[must_use]
-    pub const fn shot(&self) -> &Shot {
+    pub(crate) const fn shot(&self) -> &Shot {
         &self.shot
     }
 
     /// Returns the edit history.
     #[must_use]
-    pub const fn history(&self) -> &History {
+    pub(crate) const fn history(&self) -> &History {
         &self.history
     }
 
     /// Returns whether there are unsaved changes.
     #[must_use]
-    pub fn is_dirty(&self) -> bool {
+    pub(crate) fn is_dirty(&self) -> bool {
         self.on_disk() != Some(&self.text)
     }
 

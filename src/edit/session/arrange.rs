@@ -14,7 +14,7 @@ use crate::space::ScreenBox;
 
 /// The part of a plate that a layer moves, as offered by the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum MatteChoice {
+pub(crate) enum MatteChoice {
     /// The layer's own nodes; without a scene, the whole picture.
     Usual,
     /// The layer's own nodes, even where it moves all of the scene.
@@ -32,7 +32,7 @@ pub enum MatteChoice {
 impl MatteChoice {
     /// Returns the choice that a layer's settings correspond to; `None` if the window does not offer it.
     #[must_use]
-    pub fn of(layer: &Layer) -> Option<Self> {
+    pub(crate) fn of(layer: &Layer) -> Option<Self> {
         match (&layer.matte, layer.unmatted) {
             (None, Unmatted::OwnNodes) => Some(Self::Usual),
             (None, Unmatted::Nodes) => Some(Self::Nodes),
@@ -47,7 +47,7 @@ impl MatteChoice {
 
 impl Session {
     /// Sets a value of the selected layer. Consecutive changes with the same `series` are undone together.
-    pub fn set_layer(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
+    pub(crate) fn set_layer(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let text = put_layer_setting(self.document.text(), &layer.name, key, setting);
         let series = series.map(|series| format!("{series} of {}", layer.name));
@@ -105,7 +105,7 @@ impl Session {
 
     /// Changes the dims of the selected layer's lattice. Pins preserve the edit; manually moved handles are transferred
     /// to the nearest new handles.
-    pub fn set_dims(&mut self, dims: &[usize]) {
+    pub(crate) fn set_dims(&mut self, dims: &[usize]) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer).cloned() else { return };
         let tracks = match (layer.space, dims) {
             (LayerSpace::Screen { dims: old, .. }, &[columns, rows]) => {
@@ -154,13 +154,13 @@ impl Session {
     }
 
     /// Sets the patterns of node names that the selected layer moves; none: all nodes.
-    pub fn set_nodes(&mut self, nodes: Vec<String>) {
+    pub(crate) fn set_nodes(&mut self, nodes: Vec<String>) {
         let setting = if nodes.is_empty() { Setting::Default } else { Setting::Texts(nodes) };
         self.set_layer("Change nodes", &["nodes"], &setting, None);
     }
 
     /// Sets the part of a plate that the selected layer moves.
-    pub fn set_matte(&mut self, matte: &MatteChoice) {
+    pub(crate) fn set_matte(&mut self, matte: &MatteChoice) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let put = |text: &str, key: &[&str], setting: &Setting| put_layer_setting(text, &layer.name, key, setting);
         let named = |text: &str, name: &str| put(text, &["matte"], &Setting::Text(name.to_owned()));
@@ -208,7 +208,7 @@ impl Session {
     }
 
     /// Mutes or unmutes a layer in the editor; the file is not changed.
-    pub fn toggle_mute(&mut self, name: &str) {
+    pub(crate) fn toggle_mute(&mut self, name: &str) {
         if !self.muted.remove(name) {
             self.muted.insert(name.to_owned());
         }

@@ -37,7 +37,7 @@ impl Copied {
 
 impl Session {
     /// Copies the selected keys.
-    pub fn copy_keys(&mut self) {
+    pub(crate) fn copy_keys(&mut self) {
         if self.selection.keys.is_empty() {
             return self.say("No key is selected: click one in the timeline first.");
         }
@@ -54,7 +54,7 @@ impl Session {
     /// Pastes the copied keys into the selected pins and handles, the first key at the current frame. Keys of several
     /// go to those of the same names, in the selected layer if none is selected; those without a match receive them
     /// in order.
-    pub fn paste_keys(&mut self) {
+    pub(crate) fn paste_keys(&mut self) {
         let times = self.copied.iter().flat_map(|copied| copied.keys.times());
         let Some(first) = times.map(|(time, _)| time).min_by(f64::total_cmp) else {
             return self.say("Nothing was copied.");

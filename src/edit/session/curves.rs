@@ -10,13 +10,13 @@ use crate::shot::PinKey;
 impl Session {
     /// Samples a curve at some times as (time, value); empty if the pin or handle does not use the channel.
     #[must_use]
-    pub fn curve(&self, track: impl Into<Track>, channel: Channel, times: &[f64]) -> Vec<[f64; 2]> {
+    pub(crate) fn curve(&self, track: impl Into<Track>, channel: Channel, times: &[f64]) -> Vec<[f64; 2]> {
         samples(self.shot(), track.into(), channel, times)
     }
 
     /// Returns the keys of a pin or handle in a channel as (time, value).
     #[must_use]
-    pub fn curve_keys(&self, track: impl Into<Track>, channel: Channel) -> Vec<[f64; 2]> {
+    pub(crate) fn curve_keys(&self, track: impl Into<Track>, channel: Channel) -> Vec<[f64; 2]> {
         let track = track.into();
         let keys = track.keys(self.shot()).filter(|_| has_channel(self.shot(), track, channel));
         keys.map_or_else(Vec::new, |keys| keys.values(channel, display_scale(self.shot(), track)))
@@ -24,7 +24,7 @@ impl Session {
 
     /// Returns the tangents of the selected keys of a pin or handle.
     #[must_use]
-    pub fn tangents(&self, track: impl Into<Track>, channel: Channel) -> Vec<Tangent> {
+    pub(crate) fn tangents(&self, track: impl Into<Track>, channel: Channel) -> Vec<Tangent> {
         let track = track.into();
         let keys = track.keys(self.shot()).filter(|_| has_channel(self.shot(), track, channel));
         let (times, scale) = (self.selection.times_of(track), display_scale(self.shot(), track));
@@ -32,7 +32,13 @@ impl Session {
     }
 
     /// Moves the end of a tangent to (time, value).
-    pub fn bend_curve(&mut self, track: impl Into<Track>, tangent: (f64, usize), channel: Channel, to: [f64; 2]) {
+    pub(crate) fn bend_curve(
+        &mut self,
+        track: impl Into<Track>,
+        tangent: (f64, usize),
+        channel: Channel,
+        to: [f64; 2],
+    ) {
         let track = track.into();
         let scale = display_scale(self.shot(), track);
         let bent = track.keys(self.shot()).and_then(|keys| keys.bent(tangent, channel, (to, scale)));
@@ -41,7 +47,7 @@ impl Session {
     }
 
     /// Removes rotation or scale from all keys of a pin, with its own keys.
-    pub fn free_channel(&mut self, at: [usize; 2], channel: Channel) {
+    pub(crate) fn free_channel(&mut self, at: [usize; 2], channel: Channel) {
         let Some(pin) = Track::Pin(at).own_pin(self.document.shot()) else { return };
         let keys = match channel {
             Channel::Scale if !pin.scale_keys.is_empty() => (Track::Scale(at), TrackKeys::Scale(Vec::new())),
@@ -61,7 +67,7 @@ impl Session {
     }
 
     /// Moves a key to another time and value in a channel; keys cannot pass each other. One drag is one undo step.
-    pub fn move_curve_key(&mut self, (track, from): (impl Into<Track>, f64), channel: Channel, to: [f64; 2]) {
+    pub(crate) fn move_curve_key(&mut self, (track, from): (impl Into<Track>, f64), channel: Channel, to: [f64; 2]) {
         let track = track.into();
         let scale = display_scale(self.shot(), track);
         let moved = track.keys(self.shot()).and_then(|keys| keys.moved(from, channel, (to, scale)));

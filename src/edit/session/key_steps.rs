@@ -9,7 +9,7 @@ use crate::shot::{Goal, OffsetUnit};
 
 /// How a step changes the selected keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum KeyStep {
+pub(crate) enum KeyStep {
     /// Only the next key is selected.
     #[default]
     Only,
@@ -20,7 +20,7 @@ pub enum KeyStep {
 impl Session {
     /// Selects the next key of a pin or handle, or the previous one: from the one selected last, else from the current
     /// frame.
-    pub fn step_key(&mut self, track: impl Into<Track>, forward: bool, step: KeyStep) {
+    pub(crate) fn step_key(&mut self, track: impl Into<Track>, forward: bool, step: KeyStep) {
         let track = track.into();
         let here = f64::from(self.playhead.frame());
         let current = self.selection.keys.iter().rev().find(|(other, _)| *other == track).map(|(_, time)| *time);
@@ -42,7 +42,7 @@ impl Session {
     }
 
     /// Moves the selected keys by a number of frames; they do not land on others. Consecutive moves are one undo step.
-    pub fn nudge_keys(&mut self, by: i32) {
+    pub(crate) fn nudge_keys(&mut self, by: i32) {
         let by = f64::from(by);
         let shot = self.document.shot();
         let lands = |(track, time): &(Track, f64)| {
@@ -61,7 +61,7 @@ impl Session {
     }
 
     /// Raises the selected keys in a channel by a number of its smallest steps. Consecutive changes are one undo step.
-    pub fn raise_keys(&mut self, channel: Channel, steps: f64) {
+    pub(crate) fn raise_keys(&mut self, channel: Channel, steps: f64) {
         let Some(&(track, _)) = self.selection.keys.last() else { return self.say("No key is selected.") };
         let by = steps * self.unit_of(track, channel).step();
         let tracks: Vec<Track> = self.selection.keyed().into_iter().collect();

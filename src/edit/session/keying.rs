@@ -11,7 +11,7 @@ use crate::shot::{ChannelKey, Ease, PinKey, Shot};
 
 /// Named eases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EasePreset {
+pub(crate) enum EasePreset {
     /// Holds the value until the next key.
     Hold,
     /// Linear interpolation.
@@ -32,7 +32,7 @@ impl EasePreset {
 
     /// Returns the ease as in a shot.
     #[must_use]
-    pub const fn ease(self) -> Ease {
+    pub(crate) const fn ease(self) -> Ease {
         match self {
             Self::Hold => Ease::Hold,
             Self::Linear => Ease::Linear,
@@ -65,7 +65,7 @@ impl EasePreset {
 
 impl Session {
     /// Sets keys on the selected pins and handles from their state at the current frame.
-    pub fn insert_keys(&mut self) {
+    pub(crate) fn insert_keys(&mut self) {
         let tracks = self.selection.tracks(self.document.shot()).into_iter();
         let keys: Vec<_> = tracks.filter_map(|track| self.keyed_here(track)).collect();
         if keys.is_empty() {
@@ -98,7 +98,7 @@ impl Session {
     }
 
     /// Sets a key of a pin from typed values. Of a pin whose rotation or scale has keys of its own, only what differs is set.
-    pub fn put_key(&mut self, at: [usize; 2], key: PinKey) {
+    pub(crate) fn put_key(&mut self, at: [usize; 2], key: PinKey) {
         let keys = typed(self.document.shot(), at, key);
         if !keys.is_empty() {
             self.write_keys("Type key", &keys, Some(&format!("type {at:?}")));
@@ -120,7 +120,7 @@ impl Session {
     }
 
     /// Selects a key; with `adds`, toggles it and keeps the other keys selected.
-    pub fn choose_key(&mut self, track: impl Into<Track>, time: f64, adds: bool) {
+    pub(crate) fn choose_key(&mut self, track: impl Into<Track>, time: f64, adds: bool) {
         let track = track.into();
         let is_chosen = self.selection.has_key(track, time);
         if !adds && !is_chosen {
@@ -178,7 +178,7 @@ impl Session {
     }
 
     /// Deletes the selected keys; the last key of a pin or handle is kept.
-    pub fn delete_keys(&mut self) {
+    pub(crate) fn delete_keys(&mut self) {
         if self.selection.keys.is_empty() {
             return self.say("No key is selected: click one in the timeline first.");
         }
@@ -186,7 +186,7 @@ impl Session {
     }
 
     /// Moves the selected keys by a number of frames.
-    pub fn shift_keys(&mut self, by: i32) {
+    pub(crate) fn shift_keys(&mut self, by: i32) {
         if by == 0 {
             return;
         }
@@ -198,7 +198,7 @@ impl Session {
     }
 
     /// Sets the ease of the selected keys, or of all keys of the selected pins and handles if no key is selected.
-    pub fn ease_keys(&mut self, preset: EasePreset) {
+    pub(crate) fn ease_keys(&mut self, preset: EasePreset) {
         if self.selection.keys.is_empty() {
             let shot = self.document.shot();
             let times = |track: Track| track.times(shot).into_iter().map(move |(time, _)| (track, time));

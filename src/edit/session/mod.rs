@@ -23,16 +23,16 @@ mod selection;
 mod shot_settings;
 mod shown;
 
-pub use arrange::MatteChoice;
+pub(crate) use arrange::MatteChoice;
 pub(crate) use key_steps::CurveUnit;
-pub use key_steps::KeyStep;
-pub use keying::EasePreset;
-pub use painting::Brush;
+pub(crate) use key_steps::KeyStep;
+pub(crate) use keying::EasePreset;
+pub(crate) use painting::Brush;
 pub(crate) use painting::{BRUSH_RADII, BRUSH_STIFFNESSES};
-pub use pointer::{Held, PinPart, Ring};
-pub use render_run::{RenderRun, RunState};
-pub use selection::Selection;
-pub use shown::Shown;
+pub(crate) use pointer::{Held, PinPart, Ring};
+pub(crate) use render_run::{RenderRun, RunState};
+pub(crate) use selection::Selection;
+pub(crate) use shown::Shown;
 pub(crate) use shown::{Onion, Wipe};
 
 use super::picture::{Picture, Quality};
@@ -56,7 +56,7 @@ const AHEAD: i32 = 240;
 
 /// An open shot in an editor.
 #[derive(Debug)]
-pub struct Session {
+pub(crate) struct Session {
     document: Document,
     worker: Worker,
     /// The current frame.
@@ -115,7 +115,7 @@ pub struct Session {
 impl Session {
     /// Edits a document; `wake` is called whenever there is something new to display.
     #[must_use]
-    pub fn new(mut document: Document, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
+    pub(crate) fn new(mut document: Document, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let playhead = Playhead::new(&document.shot().frames);
         let scene = document.take_scene();
         let mut session = Self {
@@ -167,19 +167,19 @@ impl Session {
 
     /// Returns the open document.
     #[must_use]
-    pub const fn document(&self) -> &Document {
+    pub(crate) const fn document(&self) -> &Document {
         &self.document
     }
 
     /// Returns the shot, including the drag in progress.
     #[must_use]
-    pub fn shot(&self) -> &Shot {
+    pub(crate) fn shot(&self) -> &Shot {
         self.dragged.as_deref().unwrap_or(self.document.shot())
     }
 
     /// Returns the picture of the current frame; until it is drawn, the previous one.
     #[must_use]
-    pub const fn picture(&self) -> Option<&Arc<Picture>> {
+    pub(crate) const fn picture(&self) -> Option<&Arc<Picture>> {
         self.current.as_ref()
     }
 
@@ -197,7 +197,7 @@ impl Session {
 
     /// Returns the solve of the current frame; until it is done, the previous one.
     #[must_use]
-    pub const fn solve(&self) -> Option<&Arc<SolvedFrame>> {
+    pub(crate) const fn solve(&self) -> Option<&Arc<SolvedFrame>> {
         self.current_solve.as_ref()
     }
 
@@ -219,8 +219,9 @@ impl Session {
     }
 
     /// Returns whether the worker thread is idle.
+    #[cfg(test)]
     #[must_use]
-    pub const fn is_idle(&self) -> bool {
+    pub(crate) const fn is_idle(&self) -> bool {
         self.is_idle
     }
 
@@ -231,13 +232,13 @@ impl Session {
 
     /// Returns the error that prevents drawing the document.
     #[must_use]
-    pub fn fault(&self) -> Option<&str> {
+    pub(crate) fn fault(&self) -> Option<&str> {
         self.fault.as_deref()
     }
 
     /// Returns the message of the last action.
     #[must_use]
-    pub fn message(&self) -> Option<&str> {
+    pub(crate) fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
 
@@ -247,7 +248,7 @@ impl Session {
     }
 
     /// Processes the replies of the worker thread. Returns whether anything changed.
-    pub fn pump(&mut self) -> bool {
+    pub(crate) fn pump(&mut self) -> bool {
         let replies: Vec<Reply> = self.worker.replies().collect();
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
@@ -257,7 +258,7 @@ impl Session {
     }
 
     /// Waits until the current frame is displayed as rendered. Returns false on a timeout or an error.
-    pub fn settle(&mut self, longest: std::time::Duration) -> bool {
+    pub(crate) fn settle(&mut self, longest: std::time::Duration) -> bool {
         let begun = std::time::Instant::now();
         while !self.is_final() && self.fault.is_none() {
             let Some(left) = longest.checked_sub(begun.elapsed()) else { return false };
@@ -279,7 +280,7 @@ impl Session {
 
     /// Returns whether the displayed picture is the rendered frame.
     #[must_use]
-    pub fn is_final(&self) -> bool {
+    pub(crate) fn is_final(&self) -> bool {
         let is_current = |picture: &Arc<Picture>| {
             picture.quality == Quality::Final
                 && picture.revision == self.revision
@@ -419,7 +420,7 @@ impl Session {
     }
 
     /// Goes to a frame.
-    pub fn go(&mut self, frame: i32) {
+    pub(crate) fn go(&mut self, frame: i32) {
         self.playhead.go(frame);
         self.frame_changed(Purpose::Look);
     }
@@ -460,7 +461,7 @@ impl Session {
     }
 
     /// Undoes the last change.
-    pub fn undo(&mut self) {
+    pub(crate) fn undo(&mut self) {
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),
             None => self.say("There is nothing to undo."),
@@ -468,7 +469,7 @@ impl Session {
     }
 
     /// Redoes the change undone last.
-    pub fn redo(&mut self) {
+    pub(crate) fn redo(&mut self) {
         match self.document.redo() {
             Some(label) => self.went("Redone", &label),
             None => self.say("Nothing to redo."),
@@ -485,7 +486,7 @@ impl Session {
     ///
     /// # Errors
     /// [`EditError`] if it cannot be written, or another program wrote it where there are unsaved changes.
-    pub fn save(&mut self) -> Result<(), EditError> {
+    pub(crate) fn save(&mut self) -> Result<(), EditError> {
         let change = self.document.save()?;
         let path = self.document.path().display().to_string();
         match change {
@@ -515,7 +516,7 @@ impl Session {
     }
 
     /// Returns the document, for operations on its file only.
-    pub const fn document_mut(&mut self) -> &mut Document {
+    pub(crate) const fn document_mut(&mut self) -> &mut Document {
         &mut self.document
     }
 

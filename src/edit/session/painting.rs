@@ -28,7 +28,7 @@ const APART: f64 = 2.0;
 
 /// The settings of the brush.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Brush {
+pub(crate) struct Brush {
     /// Its radius in frame heights.
     pub radius: f64,
     /// The stiffness that it paints; 1 is that of the rest.
@@ -151,7 +151,7 @@ impl Session {
     }
 
     /// Removes all that was painted on the selected layer.
-    pub fn clear_painting(&mut self) {
+    pub(crate) fn clear_painting(&mut self) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         if layer.strokes.is_empty() {
             return self.say("Nothing is painted on this layer.");
@@ -189,7 +189,7 @@ impl Session {
 
     /// Returns the painted triangles of the shown frame; none until they are known.
     #[must_use]
-    pub fn painted(&self) -> &[StiffTriangle] {
+    pub(crate) fn painted(&self) -> &[StiffTriangle] {
         let now = (self.revision, self.playhead.frame());
         let known = self.painted.as_ref().filter(|painted| (painted.revision, painted.frame) == now);
         known.map_or(&[], |painted| &painted.triangles)

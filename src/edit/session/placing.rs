@@ -86,7 +86,7 @@ impl Session {
     }
 
     /// Adds a pin on the other side of the model for each selected one, which follows it with mirrored keys.
-    pub fn mirror_pins(&mut self) {
+    pub(crate) fn mirror_pins(&mut self) {
         let chosen: Vec<[usize; 2]> = self.selection.pins.iter().copied().collect();
         let mut text = Ok(self.document.text().to_owned());
         let mut added = Vec::new();
@@ -115,7 +115,7 @@ impl Session {
     }
 
     /// Deletes the selected pins, with the pins that follow them, and puts the selected handles back to rest.
-    pub fn delete_pins(&mut self) {
+    pub(crate) fn delete_pins(&mut self) {
         let chosen: Vec<[usize; 2]> = self.selection.pins.iter().copied().chain(self.followers()).collect();
         let names: BTreeSet<_> = chosen.into_iter().filter_map(|at| self.names_of(at)).collect();
         let handles = self.selection.handles.len();
@@ -137,7 +137,7 @@ impl Session {
     }
 
     /// Renames a pin.
-    pub fn rename_pin(&mut self, at: [usize; 2], name: &str) {
+    pub(crate) fn rename_pin(&mut self, at: [usize; 2], name: &str) {
         if let Some((layer, pin)) = self.names_of(at) {
             let text = rename_pin(self.document.text(), PinName { layer: &layer, pin: &pin }, name);
             self.change("Rename pin", text, None);
@@ -150,7 +150,7 @@ impl Session {
     }
 
     /// Sets the weight of a pin, and of its counterpart: 1 holds the point exactly, less lets it yield.
-    pub fn set_weight(&mut self, at: [usize; 2], weight: f64) {
+    pub(crate) fn set_weight(&mut self, at: [usize; 2], weight: f64) {
         let weight = (weight.clamp(0.0, 1.0) * 1e3).round() / 1e3;
         let setting = if weight == 1.0 { Setting::Default } else { Setting::Number(weight) };
         self.set_with_counterpart(at, "weight", |text, at| put_pin_setting(text, at, "weight", &setting));
@@ -179,7 +179,7 @@ impl Session {
     }
 
     /// Mutes or unmutes pins; all take the new state of the first.
-    pub fn toggle_pin_mute(&mut self, pins: &[[usize; 2]]) {
+    pub(crate) fn toggle_pin_mute(&mut self, pins: &[[usize; 2]]) {
         let pin = |at: &[usize; 2]| self.document.shot().layers.get(at[0]).and_then(|layer| layer.pins.get(at[1]));
         let Some(first) = pins.first().and_then(pin) else { return self.say("No pin is selected: click one first.") };
         let (setting, label) = match first.is_muted {

@@ -32,7 +32,7 @@ const USUAL_RADIUS: f64 = 0.1;
 
 /// The property of a pin that is dragged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PinPart {
+pub(crate) enum PinPart {
     /// Its target.
     #[default]
     Target,
@@ -44,7 +44,7 @@ pub enum PinPart {
 
 /// Modifier keys when the pointer is pressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Held {
+pub(crate) struct Held {
     /// Whether the selection is extended.
     pub adds: bool,
     /// Whether the pin moves the part as a whole.
@@ -55,7 +55,7 @@ pub struct Held {
 
 /// The ring around a selected pin, as drawn by the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ring {
+pub(crate) struct Ring {
     /// Its radius in frame heights.
     pub radius: f64,
     /// Its hit distance in frame heights.
@@ -64,7 +64,7 @@ pub struct Ring {
 
 impl Session {
     /// Handles a pointer press. `reach`: hit distance of points in frame heights.
-    pub fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
+    pub(crate) fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
         if self.playhead.is_playing() {
             // The frame that is stopped at is drawn as rendered.
             self.go(self.playhead.frame());
@@ -203,12 +203,12 @@ impl Session {
     }
 
     /// Handles pointer movement.
-    pub fn motion(&mut self, to: ScreenPoint) {
+    pub(crate) fn motion(&mut self, to: ScreenPoint) {
         self.motion_with(to, false);
     }
 
     /// Handles a pointer release.
-    pub fn release(&mut self) {
+    pub(crate) fn release(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => {}
             Gesture::Placing { id, from, at, is_whole, .. } => {
@@ -246,7 +246,7 @@ impl Session {
     }
 
     /// Cancels the gesture, or clears the selection if there is none.
-    pub fn cancel(&mut self) {
+    pub(crate) fn cancel(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => self.selection.clear(),
             _ if self.dragged.is_some() => self.let_go(),
@@ -265,12 +265,12 @@ impl Session {
 
     /// Returns two opposite corners of the selection box.
     #[must_use]
-    pub const fn choosing_box(&self) -> Option<[ScreenPoint; 2]> {
+    pub(crate) const fn choosing_box(&self) -> Option<[ScreenPoint; 2]> {
         if let Gesture::Box { from, to } = self.gesture { Some([from, to]) } else { None }
     }
 
     /// Moves the selection by an offset in frame heights.
-    pub fn nudge(&mut self, by: DVec2) {
+    pub(crate) fn nudge(&mut self, by: DVec2) {
         let base = self.document.shot().clone();
         match self.dragged_shot(&base, Move::By(by)) {
             Err(error) => self.say(error.to_string()),
@@ -410,7 +410,7 @@ impl Session {
 
     /// Returns the marks of the current frame.
     #[must_use]
-    pub fn marks(&self) -> &[LayerMarks] {
+    pub(crate) fn marks(&self) -> &[LayerMarks] {
         self.current_solve.as_ref().map_or(&[], |solve| &solve.marks)
     }
 

@@ -13,7 +13,7 @@ impl Session {
     ///
     /// # Errors
     /// [`EditError`] if there is no such file.
-    pub fn add_reference(&mut self, path: &Path) -> Result<(), EditError> {
+    pub(crate) fn add_reference(&mut self, path: &Path) -> Result<(), EditError> {
         let opened = Reference::open(path, self.playhead.frame())?;
         self.put_reference(path, opened);
         Ok(())
@@ -26,8 +26,9 @@ impl Session {
     }
 
     /// Returns the number of reference pictures.
+    #[cfg(test)]
     #[must_use]
-    pub const fn reference_count(&self) -> usize {
+    pub(crate) const fn reference_count(&self) -> usize {
         self.references.len()
     }
 }

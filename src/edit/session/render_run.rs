@@ -16,7 +16,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A render that is running or has ended.
 #[derive(Debug)]
-pub struct RenderRun {
+pub(crate) struct RenderRun {
     /// The file of its shot.
     pub(crate) shot: PathBuf,
     events: Receiver<RenderMessage>,
@@ -35,7 +35,7 @@ pub struct RenderRun {
 
 /// The state of a render.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum RunState {
+pub(crate) enum RunState {
     /// Running.
     Running,
     /// Finished or cancelled, with a summary.
@@ -64,7 +64,7 @@ impl Session {
 
     /// Returns the current or last render.
     #[must_use]
-    pub const fn run(&self) -> Option<&RenderRun> {
+    pub(crate) const fn run(&self) -> Option<&RenderRun> {
         self.run.as_ref()
     }
 
@@ -90,7 +90,7 @@ impl Session {
     }
 
     /// Lays the frames of the last render over the picture, as a reference.
-    pub fn look_at_render(&mut self) {
+    pub(crate) fn look_at_render(&mut self) {
         let frame = self.playhead.frame();
         let pattern = self.document.shot().output.path.clone();
         // This frame need not be among those that were rendered.

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// Selected pins, handles and keys.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// The active layer: new pins go to it, and its settings are shown.
     pub(crate) layer: usize,
     /// Indices of layer and pin.
@@ -31,13 +31,13 @@ impl Selection {
     }
 
     /// Clears the selection; the active layer is kept.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         *self = Self { layer: self.layer, ..Self::default() };
     }
 
     /// Returns the single selected pin; `None` if there are none or several.
     #[must_use]
-    pub fn single_pin(&self) -> Option<[usize; 2]> {
+    pub(crate) fn single_pin(&self) -> Option<[usize; 2]> {
         if self.pins.len() == 1 { self.pins.first().copied() } else { None }
     }
 

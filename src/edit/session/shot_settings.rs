@@ -9,7 +9,7 @@ use std::path::Path;
 
 impl Session {
     /// Sets a value of the shot.
-    pub fn set_shot(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
+    pub(crate) fn set_shot(&mut self, label: &str, key: &[&str], setting: &Setting, series: Option<&str>) {
         let text = put_setting(self.document.text(), key, setting);
         self.change(label, text, series);
     }

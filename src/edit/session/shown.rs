@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Display options of the viewport.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Shown {
+pub(crate) struct Shown {
     /// Lattice lines.
     pub(crate) lattice: bool,
     /// Draggable handles.

@@ -34,7 +34,7 @@ pub(super) struct Questions {
 }
 
 /// The editor.
-pub struct Editor {
+pub(crate) struct Editor {
     pub(super) options: EditorOptions,
     pub(super) shortcuts: Shortcuts,
     view: KeptView,
@@ -61,7 +61,7 @@ pub struct Editor {
 impl Editor {
     /// Starts without an open document.
     #[must_use]
-    pub fn new(ctx: &egui::Context, options: EditorOptions) -> Self {
+    pub(crate) fn new(ctx: &egui::Context, options: EditorOptions) -> Self {
         let (view, fault) = KeptView::read(ctx, options.view());
         let mut editor = Self::with_view(ctx, options, view);
         editor.fault = editor.fault.or(fault);
@@ -98,8 +98,9 @@ impl Editor {
     }
 
     /// Returns the open session.
+    #[cfg(test)]
     #[must_use]
-    pub const fn session(&self) -> Option<&Session> {
+    pub(crate) const fn session(&self) -> Option<&Session> {
         self.session.as_ref()
     }
 
@@ -112,7 +113,7 @@ impl Editor {
     ///
     /// # Errors
     /// [`EditError`] if it cannot be opened; the current document then stays open.
-    pub fn open(&mut self, ctx: &egui::Context, path: &Path) -> Result<(), EditError> {
+    pub(crate) fn open(&mut self, ctx: &egui::Context, path: &Path) -> Result<(), EditError> {
         let document = crate::edit::open(path, self.options.access)?;
         self.begin(ctx, document);
         Ok(())
@@ -154,7 +155,7 @@ impl Editor {
     }
 
     /// Runs one pass of the user interface.
-    pub fn ui(&mut self, ui: &mut Ui) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         let now = ctx.input(|input| input.time);
         self.drops(&ctx);

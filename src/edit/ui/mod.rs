@@ -47,8 +47,9 @@ mod turn_fields;
 mod viewport;
 mod window;
 
-pub use editor::Editor;
-pub use eframe::egui::Theme;
-pub use options::EditorOptions;
-pub use screenshot::screenshot;
-pub use window::run;
+#[cfg(test)]
+pub(crate) use editor::Editor;
+pub(crate) use eframe::egui::Theme;
+pub(crate) use options::EditorOptions;
+pub(crate) use screenshot::screenshot;
+pub(crate) use window::run;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// Options of the editor at start-up.
 #[derive(Clone, Debug)]
-pub struct EditorOptions {
+pub(crate) struct EditorOptions {
     /// The rendering device.
     pub device: DeviceChoice,
     /// The files that scenes may refer to.
@@ -18,7 +18,7 @@ pub struct EditorOptions {
 impl EditorOptions {
     /// Uses the system's folder for application state.
     #[must_use]
-    pub fn new(device: DeviceChoice, access: FileAccess) -> Self {
+    pub(crate) fn new(device: DeviceChoice, access: FileAccess) -> Self {
         let given = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let state = given("XDG_STATE_HOME").or_else(|| Some(given("HOME")?.join(".local/state")));
         let state = state.or_else(|| given("LOCALAPPDATA")).unwrap_or_else(std::env::temp_dir);

@@ -20,7 +20,7 @@ const PASSES: usize = 4;
 ///
 /// # Errors
 /// [`EditError`] if the shot cannot be opened or rendered, or the picture cannot be written.
-pub fn screenshot(
+pub(crate) fn screenshot(
     path: &Path,
     frame: Option<i32>,
     (size, theme, output): ([u32; 2], Theme, &Path),

@@ -16,7 +16,7 @@ impl eframe::App for Editor {
 ///
 /// # Errors
 /// [`EditError::NoDisplay`] if there is no display; others if the file cannot be opened.
-pub fn run(path: Option<&Path>, options: EditorOptions) -> Result<(), EditError> {
+pub(crate) fn run(path: Option<&Path>, options: EditorOptions) -> Result<(), EditError> {
     // A file that cannot be opened is reported on the command line, before the window opens.
     let document = path.map(|path| crate::edit::open(path, options.access)).transpose()?;
     let is_told = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());

@@ -107,7 +107,7 @@ pub(crate) struct Loaded {
 
 /// A solved frame.
 #[derive(Clone, Debug)]
-pub struct SolvedFrame {
+pub(crate) struct SolvedFrame {
     /// Frame number.
     pub(crate) frame: i32,
     /// Revision of the document.

@@ -13,5 +13,5 @@ mod plate_watch;
 
 pub(in crate::edit) use handle::Worker;
 pub(crate) use mail::Loaded;
-pub use mail::SolvedFrame;
+pub(crate) use mail::SolvedFrame;
 pub(in crate::edit) use mail::{Job, Purpose, Question, Reply};

@@ -7,7 +7,7 @@ use glam::{Mat4, Vec3, Vec4};
 
 /// A scene with the vertices of its warped meshes at each frame.
 #[derive(Clone, Debug)]
-pub struct BakedScene<'a> {
+pub(crate) struct BakedScene<'a> {
     /// The scene as it was loaded.
     pub scene: &'a Scene,
     /// The clip to export; others are dropped.
@@ -53,7 +53,7 @@ pub(crate) struct SampledNode {
 
 /// The deformed mesh of a node.
 #[derive(Clone, Debug)]
-pub struct BakedNode {
+pub(crate) struct BakedNode {
     /// Index into [`Scene::nodes`].
     pub node: usize,
     /// One per deformed primitive.
@@ -62,7 +62,7 @@ pub struct BakedNode {
 
 /// A deformed primitive, in the space of its node.
 #[derive(Clone, Debug)]
-pub struct BakedPart {
+pub(crate) struct BakedPart {
     /// Index into the mesh's primitives.
     pub primitive: usize,
     /// Undeformed vertices at the first frame.
@@ -73,7 +73,7 @@ pub struct BakedPart {
 
 /// The vertices of a primitive.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct BakedShape {
+pub(crate) struct BakedShape {
     /// #vertices.
     pub positions: Vec<Vec3>,
     /// #vertices, unit length.

@@ -9,7 +9,7 @@ mod clip;
 mod mesh;
 
 pub(crate) use baked::{AddedCamera, NodeMotion, SampledNode};
-pub use baked::{BakedNode, BakedPart, BakedScene, BakedShape};
+pub(crate) use baked::{BakedNode, BakedPart, BakedScene, BakedShape};
 
 pub(crate) use cards::packed_cards;
 
@@ -28,7 +28,7 @@ const HEADERS: [usize; 2] = [12, 8];
 ///
 /// # Errors
 /// [`ExportError::TooLarge`] above 4 GiB, the limit of the format.
-pub fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, ExportError> {
+pub(crate) fn glb(mut packed: Packed, baked: &BakedScene<'_>) -> Result<Vec<u8>, ExportError> {
     for node in &baked.nodes {
         mesh::write(&mut packed, baked, node);
     }

@@ -3,7 +3,7 @@
 //! In: a name. Out: [`MatteId`].
 
 /// The id of a name: a hash whose bits are those of a normal 32-bit float, never 0, infinite, subnormal or NaN.
-/// [`MatteId::NOTHING`] marks the absence of objects. Two different names collide with a probability of about 1 in 4e9.
+/// 0 marks the absence of objects. Two different names collide with a probability of about 1 in 4e9.
 ///
 /// ```
 /// use pinwarp::image::cryptomatte::MatteId;
@@ -14,7 +14,7 @@ pub struct MatteId(u32);
 
 impl MatteId {
     /// No object.
-    pub const NOTHING: Self = Self(0);
+    pub(crate) const NOTHING: Self = Self(0);
 
     /// Returns the id of a name. If all bits of the exponent are equal, its lowest is flipped (section "Floating point
     /// conversion"), so that no program mistakes the id for infinity or zero.
@@ -25,7 +25,7 @@ impl MatteId {
         Self(if matches!(exponent, 0 | 0xff) { hash ^ (1 << 23) } else { hash })
     }
 
-    /// Returns the id of a sample from a rank's id channel; 0 and −0 are [`MatteId::NOTHING`].
+    /// Returns the id of a sample from a rank's id channel; 0 and −0 mean no object.
     #[must_use]
     pub fn from_sample(sample: f32) -> Self {
         Self(if sample == 0.0 { 0 } else { sample.to_bits() })
@@ -33,7 +33,7 @@ impl MatteId {
 
     /// Returns the sample that represents the id.
     #[must_use]
-    pub const fn sample(self) -> f32 {
+    pub(crate) const fn sample(self) -> f32 {
         f32::from_bits(self.0)
     }
 

@@ -32,7 +32,7 @@ impl MatteHeader {
 
     /// Returns names and values of the attributes, in alphabetical order.
     #[must_use]
-    pub fn attributes(&self) -> Vec<(String, String)> {
+    pub(crate) fn attributes(&self) -> Vec<(String, String)> {
         let source = match &self.side_file {
             Some(file) => ("manif_file", file.clone()),
             None => ("manifest", self.manifest.to_json()),
@@ -47,7 +47,7 @@ impl MatteHeader {
 
     /// Parses the Cryptomattes in a header's text attributes, sorted by name. Those without a name are skipped.
     #[must_use]
-    pub fn from_attributes<'a>(attributes: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<Self> {
+    pub(crate) fn from_attributes<'a>(attributes: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<Self> {
         let mut by_key: BTreeMap<&str, Self> = BTreeMap::new();
         for (attribute, text) in attributes {
             let rest = attribute.strip_prefix("exr/").unwrap_or(attribute).strip_prefix(PREFIX);

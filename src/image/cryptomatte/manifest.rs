@@ -58,7 +58,7 @@ impl Manifest {
     }
 
     /// Iterates over names and ids, by name.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, MatteId)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, MatteId)> {
         self.ids.iter().map(|(name, &id)| (name.as_str(), id))
     }
 

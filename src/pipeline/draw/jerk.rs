@@ -40,7 +40,7 @@ const DISPLACEMENT_PER_RADIAN: f64 = 0.25;
 
 /// Measures the jerk of successive frames; earlier frames are remembered, and solved if they are missing.
 #[derive(Debug, Default)]
-pub struct JerkMeter {
+pub(crate) struct JerkMeter {
     /// The preceding frames, at most three, without gaps.
     past: VecDeque<(i32, Vec<Option<FramePoints>>)>,
 }
@@ -59,7 +59,7 @@ struct FramePoints {
 impl JerkMeter {
     /// Adds the jerk of every layer to a frame's report, and a warning if it is excessive. The result is the same for a
     /// single frame as in a sequence. The first three frames of a shot have none.
-    pub fn watch(&mut self, prepared: &PreparedShot, sample: &TimeSample, report: &mut FrameReport) {
+    pub(crate) fn watch(&mut self, prepared: &PreparedShot, sample: &TimeSample, report: &mut FrameReport) {
         self.look_back(prepared, report.frame);
         let now = frame_points(prepared, sample);
         for (index, layer) in prepared.shot.layers.iter().enumerate() {

@@ -31,7 +31,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
-    pub fn mid_exposure(&self, frame: i32) -> Result<Arc<TimeSample>, PipelineError> {
+    pub(crate) fn mid_exposure(&self, frame: i32) -> Result<Arc<TimeSample>, PipelineError> {
         self.sample_at(self.mid_exposure_time(f64::from(frame)))
     }
 

@@ -40,7 +40,7 @@ pub struct LayerState {
     /// The solved lattice of a world layer; `None` if the layer has neither handles nor active pins.
     pub world: Option<WorldSolution>,
     /// One per active pin.
-    pub pins: Vec<PinState>,
+    pub(crate) pins: Vec<PinState>,
     /// Positions of the layer's parts in the shape of a branching lattice; empty for layers that cannot branch.
     pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
 }
@@ -51,16 +51,16 @@ pub struct WorldSolution {
     /// The lattice; that of its largest branch if it has several.
     pub lattice: SceneLattice,
     /// The branches, in the frame of `lattice`; `None` if no handle has several copies.
-    pub branches: Option<BranchedLattice<3>>,
+    pub(crate) branches: Option<BranchedLattice<3>>,
     /// The solver's report; pin errors in metres.
     pub report: SolveReport,
     /// One per active pin.
-    pub pins: Vec<ScenePin>,
+    pub(crate) pins: Vec<ScenePin>,
 }
 
 /// A pin of a world layer in scene space, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScenePin {
+pub(crate) struct ScenePin {
     /// Position of the pinned point before the warp.
     pub rest: DVec3,
     /// Target position.
@@ -69,7 +69,7 @@ pub struct ScenePin {
 
 /// A pin at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PinState {
+pub(crate) struct PinState {
     /// Index in the layer.
     pub pin: usize,
     /// Position of the pinned point before the warp.

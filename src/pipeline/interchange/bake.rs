@@ -18,7 +18,7 @@ const CHUNK: usize = 2048;
 
 /// How frames of the shot map to times of an exported file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BakeTimes {
+pub(crate) enum BakeTimes {
     /// The clip keeps its times, delayed if a frame would lie before 0.
     Clip,
     /// Frame N lies at N / rate seconds, so that programs which count frames from 0 show the frame numbers of the shot.
@@ -38,7 +38,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a layer cannot be solved.
-    pub fn bake(
+    pub(crate) fn bake(
         &self,
         frames: &[i32],
         times: BakeTimes,

@@ -10,7 +10,7 @@ use crate::solve::{HandlePin, PointPin, Problem, Settings, Shape, Topology, Upri
 
 /// The inputs of a layer's solve.
 #[derive(Clone, Debug)]
-pub struct LayerProblem {
+pub(crate) struct LayerProblem {
     grid: Grid<2>,
     shape: Shape<2>,
     pins: Vec<PointPin<2>>,
@@ -21,7 +21,7 @@ pub struct LayerProblem {
 impl LayerProblem {
     /// Returns the problem, borrowing its data.
     #[must_use]
-    pub fn problem(&self) -> Problem<'_, 2> {
+    pub(crate) fn problem(&self) -> Problem<'_, 2> {
         let Self { grid, shape, pins, handles, settings } = self;
         Problem { grid, shape, pins, handles, settings }
     }
@@ -33,7 +33,11 @@ impl LayerProblem {
 ///
 /// # Errors
 /// [`PipelineError::Solve`] if a layer cannot be solved.
-pub fn layer_problem(prepared: &PreparedShot, index: usize, frame: f64) -> Result<Option<LayerProblem>, PipelineError> {
+pub(crate) fn layer_problem(
+    prepared: &PreparedShot,
+    index: usize,
+    frame: f64,
+) -> Result<Option<LayerProblem>, PipelineError> {
     let sample = prepared.evaluate(frame)?;
     let (Some(layer), Some(state)) = (prepared.shot.layers.get(index), sample.layers.get(index)) else {
         return Ok(None);

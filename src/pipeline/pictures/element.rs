@@ -15,7 +15,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError`] if the scene file cannot be read, or the shot has neither a scene nor pictures.
-    pub fn packed(&self) -> Result<Packed, PipelineError> {
+    pub(crate) fn packed(&self) -> Result<Packed, PipelineError> {
         if let Some(gallery) = &self.gallery {
             return Ok(packed_cards(&self.scene, self.shot.size.aspect(), &gallery.png_files()?));
         }

@@ -38,7 +38,7 @@ pub enum PinAnchor {
 
 /// The position of a pinned point before the warp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RestPoint {
+pub(crate) struct RestPoint {
     /// Position on the screen.
     pub point: ScreenPoint,
     /// 1, falling to 0 where the point approaches the near plane; 0 at the plane and in front of it.
@@ -48,7 +48,7 @@ pub struct RestPoint {
 impl PinAnchor {
     /// Returns the pinned point in a projected pose.
     #[must_use]
-    pub fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> RestPoint {
+    pub(crate) fn rest(&self, mesh: &ScreenMesh, camera: &Camera) -> RestPoint {
         match *self {
             Self::Screen(point) => RestPoint { point, presence: 1.0 },
             Self::Surface { part, corners, barycentric, .. } => {

@@ -16,7 +16,7 @@ pub struct LayerAssignment {
     /// #parts: the layer that moves the part; for a shared part, the layer that moves most of it.
     pub layer_of_part: Vec<Option<usize>>,
     /// #parts: set if several layers move the part, or one layer moves some of it.
-    pub shared_parts: Vec<Option<SharedPart>>,
+    pub(crate) shared_parts: Vec<Option<SharedPart>>,
     /// #parts: the node that carries the part.
     pub(in crate::pipeline) node_of_part: Vec<usize>,
     /// #layers: the layer's parts, including shared ones.

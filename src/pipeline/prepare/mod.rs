@@ -88,7 +88,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError`] if the scene does not match the shot.
-    pub fn with_scene(mut shot: Shot, mut scene: Scene) -> Result<Self, PipelineError> {
+    pub(crate) fn with_scene(mut shot: Shot, mut scene: Scene) -> Result<Self, PipelineError> {
         let hidden_nodes = visibility::hide(&shot, &mut scene)?;
         let mut notes = scene.warnings.clone();
         notes.extend(shot.range_notes());

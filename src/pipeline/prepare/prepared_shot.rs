@@ -127,7 +127,7 @@ impl PreparedShot {
 
     /// Casts points of the screen onto the front-most unwarped surface of a frame; `None` where there is no surface.
     #[must_use]
-    pub fn cast(&self, frame: i32, points: &[ScreenPoint]) -> Vec<Option<PinAnchor>> {
+    pub(crate) fn cast(&self, frame: i32, points: &[ScreenPoint]) -> Vec<Option<PinAnchor>> {
         let (pose, camera) = self.view(f64::from(frame));
         let mesh = screen::project(&pose, &camera);
         let pick = |&point: &ScreenPoint| screen::pick(&self.scene, &pose, &mesh, camera.near(), point);
@@ -136,7 +136,7 @@ impl PreparedShot {
 
     /// Returns the positions of a layer's pinned points before any warp at a (fractional) frame, one per pin.
     #[must_use]
-    pub fn rests_of(&self, layer: usize, frame: f64) -> Vec<RestPoint> {
+    pub(crate) fn rests_of(&self, layer: usize, frame: f64) -> Vec<RestPoint> {
         let (pose, camera) = self.view(frame);
         let mesh = screen::project(&pose, &camera);
         self.layer_inputs.anchors[layer].iter().map(|pinned| pinned.rest(&mesh, &camera)).collect()
@@ -144,7 +144,7 @@ impl PreparedShot {
 
     /// Returns the anchors of a layer's pins.
     #[must_use]
-    pub fn anchors_of(&self, layer: usize) -> &[PinAnchor] {
+    pub(crate) fn anchors_of(&self, layer: usize) -> &[PinAnchor] {
         &self.layer_inputs.anchors[layer]
     }
 

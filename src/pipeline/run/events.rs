@@ -66,14 +66,14 @@ pub struct FrameReport {
     /// Time spent encoding and writing, milliseconds.
     pub write_ms: f64,
     /// One report per layer.
-    pub layers: Vec<LayerReport>,
+    pub(crate) layers: Vec<LayerReport>,
     /// Warnings about this frame.
     pub warnings: Vec<String>,
 }
 
 /// Report of the solve of one layer in one frame.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct LayerReport {
+pub(crate) struct LayerReport {
     /// Layer name.
     pub layer: String,
     /// Largest distance of a pin from its target, pixels.
@@ -90,7 +90,7 @@ pub struct LayerReport {
 
 /// Third difference over four frames, |x(f) − 3 x(f−1) + 3 x(f−2) − x(f−3)|, maximum over all points, pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub struct Jerk {
+pub(crate) struct Jerk {
     /// Jerk of the displacement by the warp.
     pub warp_px: f64,
     /// Jerk of the warp's input: the points of the model on the screen before the warp, and the offsets that the keys

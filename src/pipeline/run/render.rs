@@ -54,7 +54,8 @@ pub fn render(
 ///
 /// # Errors
 /// As [`render`].
-pub fn render_on(
+#[cfg(test)]
+pub(crate) fn render_on(
     device: &mut dyn Raster,
     prepared: &PreparedShot,
     options: &RenderOptions,

@@ -19,7 +19,7 @@ const RIM_PIECES: usize = 48;
 
 /// The marks of one layer.
 #[derive(Clone, Debug, Default)]
-pub struct LayerMarks {
+pub(crate) struct LayerMarks {
     /// Index of the layer in the shot.
     pub layer: usize,
     /// Lines of the warped lattice.
@@ -41,7 +41,7 @@ pub struct LayerMarks {
 
 /// A pin in a frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PinMark {
+pub(crate) struct PinMark {
     /// Index in the layer.
     pub pin: usize,
     /// Position of the pinned point before the warp.

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 
 /// A loaded shot that is being edited.
 #[derive(Debug)]
-pub struct OpenShot {
+pub(crate) struct OpenShot {
     /// The shot as given, before preparation fills in automatic settings.
     given: Shot,
     prepared: PreparedShot,
@@ -26,7 +26,7 @@ pub struct OpenShot {
 
 /// The amount of work that an edit caused, in increasing order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Rework {
+pub(crate) enum Rework {
     /// Nothing that affects frames.
     Nothing,
     /// Frames only: keys, strengths, samples.
@@ -46,7 +46,7 @@ impl OpenShot {
     ///
     /// # Errors
     /// As [`PreparedShot::new`].
-    pub fn new(shot: Shot) -> Result<Self, PipelineError> {
+    pub(crate) fn new(shot: Shot) -> Result<Self, PipelineError> {
         Ok(Self { given: shot.clone(), prepared: PreparedShot::new(colour_only(shot))? })
     }
 
@@ -60,7 +60,7 @@ impl OpenShot {
 
     /// Returns the prepared shot, which renders colour only.
     #[must_use]
-    pub const fn prepared(&self) -> &PreparedShot {
+    pub(crate) const fn prepared(&self) -> &PreparedShot {
         &self.prepared
     }
 
@@ -83,7 +83,7 @@ impl OpenShot {
     ///
     /// # Errors
     /// As [`PreparedShot::new`]; in that case nothing changes.
-    pub fn edit(&mut self, shot: Shot) -> Result<Rework, PipelineError> {
+    pub(crate) fn edit(&mut self, shot: Shot) -> Result<Rework, PipelineError> {
         let rework = rework(&self.given, &shot);
         if matches!(rework, Rework::Frames | Rework::Stiffness | Rework::Pins) {
             // Orders come and go with pins and their keys.

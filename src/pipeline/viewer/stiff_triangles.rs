@@ -15,7 +15,7 @@ const LEAST: f64 = 0.02;
 
 /// A triangle with a stiffness of its own, as seen on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StiffTriangle {
+pub(crate) struct StiffTriangle {
     /// Its corners, warped.
     pub corners: [ScreenPoint; 3],
     /// Its stiffness; that of the rest is 1.
@@ -25,7 +25,7 @@ pub struct StiffTriangle {
 impl PreparedShot {
     /// Returns the triangles that face the camera and whose stiffness differs from 1.
     #[must_use]
-    pub fn stiff_triangles(&self, sample: &TimeSample) -> Vec<StiffTriangle> {
+    pub(crate) fn stiff_triangles(&self, sample: &TimeSample) -> Vec<StiffTriangle> {
         let painted = self.layer_inputs.stiffness.painted.iter();
         let stiff = |value: f64| value.ln().abs() > LEAST;
         let count: usize = painted.clone().flat_map(|parts| parts.values().flatten()).filter(|&&v| stiff(v)).count();

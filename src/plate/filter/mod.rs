@@ -23,7 +23,7 @@ pub(crate) use border::Extent;
 pub(super) use nearest::{NOWHERE, copy_samples, nearest_in_row};
 pub(crate) use profile::lanczos_table;
 pub(super) use taps::footprint_bounds;
-pub use taps::footprint_taps;
+pub(crate) use taps::footprint_taps;
 
 use super::{Filter, WarpMap};
 use crate::space::PixelRect;

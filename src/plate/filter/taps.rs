@@ -11,7 +11,7 @@ use crate::space::PixelRect;
 ///
 /// Weights are positive. They sum to 1 inside the picture, and to less if part of the pixel lies outside; there are no taps where the map
 /// is NaN or points outside the picture, and a single tap of weight 1 where nothing moves. Clears `taps` first.
-pub fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &mut Vec<(usize, f32)>) {
+pub(crate) fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRect, taps: &mut Vec<(usize, f32)>) {
     taps.clear();
     if source_window.area() == 0 {
         return;

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 /// The scene as projected at one time, with its solved lattices.
 #[derive(Clone, Copy, Debug)]
-pub struct PosedScene<'a> {
+pub(crate) struct PosedScene<'a> {
     /// The pose.
     pub pose: &'a Pose,
     /// The camera.
@@ -23,7 +23,7 @@ pub struct PosedScene<'a> {
 
 /// The inputs of [`assemble`](super::assemble).
 #[derive(Clone, Copy, Debug)]
-pub struct Assembly<'a> {
+pub(crate) struct Assembly<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The time to draw.
@@ -44,7 +44,7 @@ pub struct Assembly<'a> {
 
 /// Triangles of a part with common ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Submesh {
+pub(crate) struct Submesh {
     /// Indices of its triangles; `None`: all of the part, or its lines.
     pub triangles: Option<Vec<u32>>,
     /// 1 + index of the layer, 0 for none.

@@ -14,9 +14,9 @@ mod split;
 mod vertex;
 
 pub(crate) use assembly::KeptParts;
-pub use assembly::{Assembly, PosedScene, Submesh};
+pub(crate) use assembly::{Assembly, PosedScene, Submesh};
 pub(crate) use part_warp::PartPoint;
-pub use part_warp::{BranchWarp, PartWarp, WarpBlend};
+pub(crate) use part_warp::{BranchWarp, PartWarp, WarpBlend};
 
 use super::{Draw, Geometry, RasterVertex};
 use crate::scene::{AlphaMode, Primitive};
@@ -38,8 +38,9 @@ pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 const POLLED: u32 = 65_536;
 
 /// Assembles the geometry of one time.
+#[cfg(test)]
 #[must_use]
-pub fn assemble(assembly: &Assembly) -> Geometry {
+pub(crate) fn assemble(assembly: &Assembly) -> Geometry {
     assemble_keeping(assembly, &KeptParts::default(), &|| false).unwrap_or_default()
 }
 

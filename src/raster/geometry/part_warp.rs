@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// The warp of a part.
 #[derive(Clone, Debug, Default)]
-pub enum PartWarp<'a> {
+pub(crate) enum PartWarp<'a> {
     /// No displacement.
     #[default]
     Rest,
@@ -24,7 +24,7 @@ pub enum PartWarp<'a> {
 
 /// A lattice with branches, and the correspondence between the part's triangles and its shape.
 #[derive(Clone, Copy, Debug)]
-pub struct BranchWarp<'a> {
+pub(crate) struct BranchWarp<'a> {
     /// The lattice.
     pub branches: &'a BranchedLattice<2>,
     /// Index of the first triangle in the shape of each triangle of the part, #triangles + 1: near-plane clipping
@@ -35,7 +35,7 @@ pub struct BranchWarp<'a> {
 /// A blend of warps: a vertex is displaced by the weighted sum of their displacements; weights that sum to less than 1
 /// reduce the displacement.
 #[derive(Clone, Debug)]
-pub struct WarpBlend<'a> {
+pub(crate) struct WarpBlend<'a> {
     /// The blended warps, none of which is a blend.
     pub layers: Vec<PartWarp<'a>>,
     /// #vertices x #layers, row-major.

@@ -11,7 +11,7 @@ use std::fmt;
 
 /// Kinds of device, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum DeviceKind {
+pub(crate) enum DeviceKind {
     /// A graphics card.
     Discrete,
     /// Integrated into the processor.
@@ -27,7 +27,7 @@ pub enum DeviceKind {
 impl DeviceKind {
     /// Returns whether it is graphics hardware, not a software driver.
     #[must_use]
-    pub const fn is_card(self) -> bool {
+    pub(crate) const fn is_card(self) -> bool {
         matches!(self, Self::Discrete | Self::Integrated | Self::Virtual)
     }
 }
@@ -46,7 +46,7 @@ impl fmt::Display for DeviceKind {
 
 /// A device as listed by `pinwarp devices`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DeviceInfo {
+pub(crate) struct DeviceInfo {
     /// Its index for `--device`.
     pub index: usize,
     /// Its name; any part of it can be passed to `--device`.
@@ -80,7 +80,7 @@ pub(super) struct Candidate {
 ///
 /// # Errors
 /// [`RasterError::NoDevice`] if loader or drivers are missing.
-pub fn devices() -> Result<Vec<DeviceInfo>, RasterError> {
+pub(crate) fn devices() -> Result<Vec<DeviceInfo>, RasterError> {
     let instance = Instance::new(None)?;
     Ok(candidates(&instance)?.into_iter().map(|candidate| candidate.info).collect())
 }

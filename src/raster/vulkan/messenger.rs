@@ -13,12 +13,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// [`VulkanRaster::open_validated`](super::VulkanRaster::open_validated); more may be added until that rasteriser is
 /// dropped.
 #[derive(Clone, Debug, Default)]
-pub struct Messages(Arc<Mutex<Vec<String>>>);
+pub(crate) struct Messages(Arc<Mutex<Vec<String>>>);
 
 impl Messages {
     /// Removes and returns all messages so far.
+    #[cfg(test)]
     #[must_use]
-    pub fn take(&self) -> Vec<String> {
+    pub(crate) fn take(&self) -> Vec<String> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

@@ -33,8 +33,11 @@ mod tests;
 mod textures;
 mod upload;
 
-pub use choose::{DeviceInfo, DeviceKind, devices};
-pub use messenger::Messages;
+#[cfg(test)]
+pub(crate) use choose::DeviceKind;
+pub(crate) use choose::{DeviceInfo, devices};
+#[cfg(test)]
+pub(crate) use messenger::Messages;
 pub use microbenchmark::BareTimes;
 pub use raster::{StageTimes, VulkanRaster};
 pub use remap::VulkanRemap;

@@ -87,7 +87,12 @@ impl VulkanRaster {
     ///
     /// # Errors
     /// As [`Self::open`]; [`RasterError::NoDevice`] also if the validation layer is not installed.
-    pub fn open_validated(choice: &DeviceChoice, scene: &Scene, messages: &Messages) -> Result<Self, RasterError> {
+    #[cfg(test)]
+    pub(crate) fn open_validated(
+        choice: &DeviceChoice,
+        scene: &Scene,
+        messages: &Messages,
+    ) -> Result<Self, RasterError> {
         Self::open_with(choice, scene, Some(messages))
     }
 

@@ -105,7 +105,8 @@ impl VulkanRemap {
     ///
     /// # Errors
     /// As [`Self::open`]; [`RasterError::NoDevice`] also if the validation layer is not installed.
-    pub fn open_validated(choice: &DeviceChoice, messages: &Messages) -> Result<Self, RasterError> {
+    #[cfg(test)]
+    pub(crate) fn open_validated(choice: &DeviceChoice, messages: &Messages) -> Result<Self, RasterError> {
         Self::open_with(choice, Some(messages))
     }
 
@@ -142,7 +143,8 @@ impl VulkanRemap {
     }
 
     /// Limits the size of buffers in bytes; more and smaller tiles then give the same picture.
-    pub fn limit_buffers(&mut self, bytes: u64) {
+    #[cfg(test)]
+    pub(crate) fn limit_buffers(&mut self, bytes: u64) {
         self.max_bytes = self.device.facts().max_buffer_bytes.min(bytes);
     }
 

@@ -14,7 +14,7 @@ use toml_edit::{Array, InlineTable, Item, TableLike, Value};
 
 /// The values to write to a layer.
 #[derive(Clone, Debug)]
-pub struct LayerEdit<'a> {
+pub(crate) struct LayerEdit<'a> {
     /// Number of handles across and up.
     pub dims: [usize; 2],
     /// Basis of the lattice.
@@ -29,7 +29,7 @@ pub struct LayerEdit<'a> {
 
 /// How to set a factor that the layer may have already.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Factor {
+pub(crate) enum Factor {
     /// Replaces it.
     Exactly(f64),
     /// Multiplies it.
@@ -47,7 +47,7 @@ impl Factor {
 
 /// A pin with its keys.
 #[derive(Clone, Debug)]
-pub struct KeyedPin<'a> {
+pub(crate) struct KeyedPin<'a> {
     /// Its name in the layer.
     pub name: &'a str,
     /// Its anchor; `None` keeps the anchor of the existing pin of that name.
@@ -60,7 +60,7 @@ pub struct KeyedPin<'a> {
 ///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, has no such layer, or has a structure that cannot be edited.
-pub fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<String, ShotError> {
+pub(crate) fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<String, ShotError> {
     let name = layer.unwrap_or("layer");
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;
     let layers = text.document.entry("layer").or_insert_with(no_tables);

@@ -19,14 +19,14 @@ pub use block::pin_block;
 #[cfg(feature = "editor")]
 pub(crate) use channel_keys::{put_rotate_keys, put_scale_keys};
 pub(crate) use filter::put_filter;
-pub use layer::{Factor, KeyedPin, LayerEdit, put_layer};
+pub(crate) use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 #[cfg(feature = "editor")]
 pub(crate) use paths::put_paths;
 pub(crate) use pin::{PinName, put_handle, put_keys, put_region, remove_pin};
 #[cfg(feature = "editor")]
 pub(crate) use rename::rename_layer;
 pub(crate) use rename::rename_pin;
-pub use setting::Setting;
+pub(crate) use setting::Setting;
 pub(crate) use setting::{
     add_layer, layer_number, move_layer, put_box, put_layer_setting, put_pin_setting, put_setting, remove_layer,
 };

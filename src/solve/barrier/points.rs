@@ -10,7 +10,7 @@ use crate::lattice::{Grid, Support};
 use crate::solve::blocked_weights::BlockedWeights;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::normal_matrix::NormalMatrix;
-use crate::solve::linalg::simd::{LANES, Lanes, lane_of};
+use crate::solve::linalg::simd::{Lanes, lane_of};
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
 use std::collections::BTreeMap;
 

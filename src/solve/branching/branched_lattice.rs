@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A solved lattice with branches, in the order of their largest pieces, from the largest one down.
 #[derive(Clone, Debug)]
-pub struct BranchedLattice<const D: usize> {
+pub(crate) struct BranchedLattice<const D: usize> {
     pub(super) branching: Arc<Branching<D>>,
     /// Positions of the copies.
     copies: Vec<[f64; D]>,
@@ -101,7 +101,7 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// Number of branches.
     #[must_use]
-    pub fn branch_count(&self) -> usize {
+    pub(crate) fn branch_count(&self) -> usize {
         self.branching.branches.len()
     }
 
@@ -133,15 +133,16 @@ impl<const D: usize> BranchedLattice<D> {
     ///
     /// # Panics
     /// If the shape has no such triangle.
+    #[cfg(test)]
     #[must_use]
-    pub fn branch_at(&self, triangle: usize, point: [f64; D]) -> usize {
+    pub(crate) fn branch_at(&self, triangle: usize, point: [f64; D]) -> usize {
         assert!(triangle < self.branching.triangles.len(), "the shape has no triangle {triangle}");
         self.branching.branch_at(triangle..triangle + 1, &point)
     }
 
     /// The lattice of a branch. Handles that do not act on the branch are at rest.
     #[must_use]
-    pub fn lattice(&self, branch: usize) -> Lattice<D> {
+    pub(crate) fn lattice(&self, branch: usize) -> Lattice<D> {
         let Branching { grid, branches, .. } = self.branching.as_ref();
         let handles = branches[branch].iter().enumerate();
         let handles =
@@ -174,7 +175,7 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// Positions of the copies of a handle; empty if the handle acts on no part of the shape.
     #[must_use]
-    pub fn copies_of(&self, handle: usize) -> &[[f64; D]] {
+    pub(crate) fn copies_of(&self, handle: usize) -> &[[f64; D]] {
         let handles = &self.branching.handles;
         let first = handles.partition_point(|&own| own < handle);
         &self.copies[first..handles.partition_point(|&own| own <= handle)]
@@ -206,8 +207,9 @@ impl<const D: usize> BranchedLattice<D> {
     }
 
     /// The image of a point on a triangle of the shape.
+    #[cfg(test)]
     #[must_use]
-    pub fn evaluate(&self, triangle: usize, point: [f64; D]) -> [f64; D] {
+    pub(crate) fn evaluate(&self, triangle: usize, point: [f64; D]) -> [f64; D] {
         self.evaluate_in(self.branch_at(triangle, point), point)
     }
 
@@ -227,7 +229,7 @@ impl<const D: usize> BranchedLattice<D> {
     /// # Panics
     /// If the range is empty, or extends beyond the triangles of the shape.
     #[must_use]
-    pub fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
+    pub(crate) fn warp(&self, triangles: Range<usize>, point: [f64; D]) -> [f64; D] {
         self.evaluate_in(self.branch_within(triangles, point), point)
     }
 
@@ -245,7 +247,7 @@ impl<const D: usize> BranchedLattice<D> {
 
     /// The image of a pin's point.
     #[must_use]
-    pub fn pin_image(&self, pin: &PointPin<D>) -> [f64; D] {
+    pub(crate) fn pin_image(&self, pin: &PointPin<D>) -> [f64; D] {
         let (snapped, piece) = self.branching.snapped_pin(pin);
         let image = self.evaluate_in(self.branching.branch_of(piece), snapped.at);
         std::array::from_fn(|d| image[d] + pin.at[d] - snapped.at[d])

@@ -22,7 +22,7 @@ pub(crate) struct LinkEnd {
 
 /// A connection between two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub(crate) struct Link {
     /// A point in each triangle.
     pub(crate) ends: [LinkEnd; 2],
     /// The kind of connection.

@@ -34,10 +34,10 @@ mod terms;
 mod tie_nodes;
 
 pub(crate) use bending::Bending;
-pub use branched_lattice::BranchedLattice;
+pub(crate) use branched_lattice::BranchedLattice;
 pub(crate) use continuation::continued;
 pub(crate) use inner_width::inner_widths;
-pub use link::Link;
+pub(crate) use link::Link;
 pub(crate) use link::{LinkEnd, LinkKind};
 pub(crate) use nearest_point::nearest_barycentric;
 pub(crate) use rest_links::{nearest_link, surface_links};

@@ -14,6 +14,7 @@ use crate::solve::problem::Shape;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use std::collections::{BTreeMap, BTreeSet};
+#[cfg(test)]
 use std::sync::Arc;
 
 /// Number of rounds. Each links every island to its nearest one and at least halves the number of islands, so this suffices for
@@ -30,8 +31,9 @@ impl<const D: usize> Shape<D> {
     /// Links the triangles that hang together in the present position, and islands to the nearest other part within `radius`, a length.
     /// A shape that moves is linked at rest: by itself a branching lattice links islands where they are nearest at each time, and
     /// jumps where another part comes nearer.
+    #[cfg(test)]
     #[must_use]
-    pub fn linked(self, radius: f64) -> Self {
+    pub(crate) fn linked(self, radius: f64) -> Self {
         let links = surface_links(&self.points, &self.triangles, radius);
         Self { links: Some(Arc::new(links)), ..self }
     }

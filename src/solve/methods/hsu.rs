@@ -17,7 +17,7 @@ use crate::solve::validate;
 
 /// Minimises λmp Σ ‖W_p P − c‖² + λgp Σ ‖P − d‖² + λgr Σ ‖P − P⁰‖², the last sum over the handles that the problem does not move.
 #[derive(Clone, Copy, Debug)]
-pub struct Hsu {
+pub(crate) struct Hsu {
     /// Weights λ, by default those of the paper. The weight of the shape is not used.
     pub(crate) lambdas: Lambdas,
 }

@@ -19,7 +19,7 @@ use crate::solve::validate;
 
 /// As-rigid-as-possible deformation of the mesh, followed by the lattice that fits the result best.
 #[derive(Clone, Copy, Debug)]
-pub struct ArapAndInverse {
+pub(crate) struct ArapAndInverse {
     /// Settings of the deformation of the mesh.
     pub arap: Arap,
     /// Weight of the smoothing term: λgr of lp-FFD, since the paper does not give one.

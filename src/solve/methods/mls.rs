@@ -15,7 +15,7 @@ use crate::solve::validate;
 
 /// Rigid MLS, f(v) = R (v − p*) + q*, with R the best rotation under the weights 1/|p − v|^2α.
 #[derive(Clone, Copy, Debug)]
-pub struct Mls {
+pub(crate) struct Mls {
     /// α, which is 1 in the pictures of the authors.
     pub alpha: f64,
 }

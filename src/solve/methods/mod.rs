@@ -9,10 +9,11 @@ mod lp_ffd;
 mod mls;
 
 pub use arap::Arap;
-pub use hsu::Hsu;
-pub use inverse::{ArapAndInverse, inverse_ffd};
+pub(crate) use hsu::Hsu;
+pub(crate) use inverse::ArapAndInverse;
+pub use inverse::inverse_ffd;
 pub use lp_ffd::{DefaultLpFfd, PaperLpFfd};
-pub use mls::Mls;
+pub(crate) use mls::Mls;
 
 use super::cancel::Cancel;
 use super::error::SolveError;

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// Distortion of a mesh. Without distortion all measures are 0, except `ang_liu` and `area_liu` (2), `min_*` and `max_s` (1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Measures {
+pub(crate) struct Measures {
     /// `ang_liu` − 2.
     pub angular: f64,
     /// `area_liu` − 2.

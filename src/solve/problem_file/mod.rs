@@ -11,7 +11,7 @@ mod measures;
 
 pub use error::ProblemError;
 pub use figure::{Figure, FigurePart, FigurePose, Figures, read_figure};
-pub use measures::Measures;
+pub(crate) use measures::Measures;
 
 use super::minimization::Energies;
 use serde::Serialize;
@@ -28,9 +28,9 @@ pub struct ResultFile {
     pub vertices: Vec<Vec<f64>>,
     /// Energy terms after each accepted step: those of local-global steps with the rotations of the step, those of Newton steps
     /// with the best rotations. The last entry belongs to `P`.
-    pub energies: Vec<Energies>,
+    pub(crate) energies: Vec<Energies>,
     /// Distortion of the triangles from rest to `V`.
-    pub measures: Measures,
+    pub(crate) measures: Measures,
     /// Number of iterations.
     pub iterations: usize,
     /// Warnings for the user.

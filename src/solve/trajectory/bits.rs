@@ -16,7 +16,7 @@ const NO_STATE: u64 = u64::MAX;
 impl<const D: usize> Trajectory<D> {
     /// Serialises the trajectory.
     #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let mut out = Bytes(Vec::new());
         let SolvedKnots { coupling, states, model_angles, drawings, takes, weights } = &self.knots;
         let Coupling { first, last, knots_per_frame, weight, least_speed } = *coupling;
@@ -53,7 +53,7 @@ impl<const D: usize> Trajectory<D> {
 
     /// Reads the bytes written by [`Self::to_bytes`]; `None` if they are malformed, or of another dimension.
     #[must_use]
-    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = Reader(bytes);
         if rest.word()? != D as u64 {
             return None;

@@ -14,7 +14,7 @@ mod speed_limits;
 mod timeline;
 
 pub(crate) use timeline::knots_per_gib;
-pub use timeline::{Coupling, TimedProblem, Timeline};
+pub(crate) use timeline::{Coupling, TimedProblem, Timeline};
 
 use super::box_rotation::BoxRotation;
 use super::cancel::Cancel;
@@ -40,7 +40,7 @@ const MIN_WINDOW: usize = 16;
 
 /// The solved knots of a layer's lattice over a range of time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trajectory<const D: usize> {
+pub(crate) struct Trajectory<const D: usize> {
     knots: SolvedKnots<D>,
     /// Weight of the proximal term within each interval as a multiple of ω: more than 1 where the motion would jump.
     interior_factors: Vec<f64>,
@@ -52,7 +52,7 @@ pub struct Trajectory<const D: usize> {
 
 /// A fast motion that was spread over time by raised weights.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Spread {
+pub(crate) struct Spread {
     /// First and last frame.
     pub frames: [f64; 2],
     /// Largest speed of a point relative to the rigid fit of the pins, in units of the space per frame.
@@ -64,7 +64,7 @@ impl<const D: usize> Trajectory<D> {
     ///
     /// # Errors
     /// Errors of the timeline and of its solves, and [`SolveError::Cancelled`].
-    pub fn solve<T>(timeline: &T, coupling: Coupling, cancel: &Cancel) -> Result<Self, T::Error>
+    pub(crate) fn solve<T>(timeline: &T, coupling: Coupling, cancel: &Cancel) -> Result<Self, T::Error>
     where
         T: Timeline<D> + Sync,
         T::Error: Send,
@@ -130,13 +130,13 @@ impl<const D: usize> Trajectory<D> {
 
     /// Number of knots with a state.
     #[must_use]
-    pub fn knot_count(&self) -> usize {
+    pub(crate) fn knot_count(&self) -> usize {
         self.knots.states.iter().flatten().count()
     }
 
     /// The motions that were spread over time.
     #[must_use]
-    pub fn spreads(&self) -> &[Spread] {
+    pub(crate) fn spreads(&self) -> &[Spread] {
         &self.spreads
     }
 
@@ -144,7 +144,7 @@ impl<const D: usize> Trajectory<D> {
     ///
     /// # Errors
     /// [`SolveError`] if the problem is malformed or the solve is cancelled.
-    pub fn solve_at(
+    pub(crate) fn solve_at(
         &self,
         time: f64,
         problem: TimedProblem<D>,

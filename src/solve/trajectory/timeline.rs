@@ -10,7 +10,7 @@ use crate::solve::targets::Targets;
 
 /// The problem of one time. Grid, shape, pins and targets may all change with time.
 #[derive(Clone, Debug)]
-pub struct TimedProblem<const D: usize> {
+pub(crate) struct TimedProblem<const D: usize> {
     /// The rest grid.
     pub grid: Grid<D>,
     /// The shape to preserve.
@@ -29,7 +29,7 @@ pub struct TimedProblem<const D: usize> {
 }
 
 /// The problem of a layer as a function of time.
-pub trait Timeline<const D: usize> {
+pub(crate) trait Timeline<const D: usize> {
     /// Error of the implementation.
     type Error: From<SolveError>;
 
@@ -60,7 +60,7 @@ pub trait Timeline<const D: usize> {
 
 /// How the times of a trajectory are coupled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coupling {
+pub(crate) struct Coupling {
     /// Time of the first knot, in frames.
     pub first: f64,
     /// Upper bound for the time of the last knot, in frames.

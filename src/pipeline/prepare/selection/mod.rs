@@ -14,7 +14,7 @@ mod shared_part;
 pub(in crate::pipeline) use precedence::PartLayers;
 pub(in crate::pipeline) use rules::material_name;
 pub(crate) use shared_part::LayerShare;
-pub use shared_part::SharedPart;
+pub(crate) use shared_part::SharedPart;
 
 use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;

@@ -4,7 +4,7 @@
 
 /// A part that several layers move, or of which one layer moves a portion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SharedPart {
+pub(crate) struct SharedPart {
     /// Indices of the layers in the shot, in increasing order.
     pub layers: Vec<usize>,
     /// #vertices x #layers, row by row, 0 to 1: how much a layer moves a vertex. The remainder of a row to 1 is at rest.
@@ -29,7 +29,7 @@ impl SharedPart {
 
     /// Returns the weights of all layers at a vertex.
     #[must_use]
-    pub fn at(&self, vertex: u32) -> &[f32] {
+    pub(crate) fn at(&self, vertex: u32) -> &[f32] {
         let count = self.layers.len();
         &self.weights[vertex as usize * count..][..count]
     }

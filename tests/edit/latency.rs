@@ -1,21 +1,13 @@
 //! Latency and memory of the editor: opening a file to the first picture, pointer to marks and to picture, processor load at
 //! rest, memory after a long session.
 //!
-//! Run with `cargo bench --bench edit`. In: the walker and the hare at 1080p; Knight.glb, if the shared assets are next to the
-//! repository or in PINWARP_SHARED; models of a million vertices (`-- --large`: only these). Out: printed lines. `-- --edits 5000`
-//! makes that many edits of all kinds instead, prints the memory over them, and fails if it grows.
+//! Run with `cargo test --release --lib -- --ignored --nocapture edit::latency`. In: the walker and the hare at 1080p;
+//! Knight.glb, if the shared assets are next to the repository or in PINWARP_SHARED; models of a million vertices. Out:
+//! printed lines.
 
-#[allow(dead_code, reason = "other tests need more of it")]
-#[path = "../tests/support/tiny.rs"]
-mod tiny;
-
-#[path = "../tests/support/endurance.rs"]
-mod endurance;
-
-#[path = "support/crowd.rs"]
-mod crowd;
-
-use endurance::{Endurance, resident_bytes};
+use super::crowd;
+use super::endurance::resident_bytes;
+use super::tiny::{Tiny, grid};
 use pinwarp::edit::{Document, Held, Ring, Session, open};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
@@ -23,7 +15,6 @@ use pinwarp::space::ScreenPoint;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use tiny::{Tiny, grid};
 
 const TIMEOUT: Duration = Duration::from_secs(180);
 
@@ -36,14 +27,9 @@ const ROUNDS: usize = 240;
 /// Duration of the measurement at rest.
 const REST: Duration = Duration::from_secs(5);
 
-fn main() {
-    if std::env::args().any(|word| word == "--large") {
-        return large();
-    }
-    let mut words = std::env::args().skip_while(|word| word != "--edits").skip(1);
-    if let Some(count) = words.next().and_then(|count| count.parse().ok()) {
-        return endure(count);
-    }
+#[test]
+#[ignore = "measures, and needs a quiet machine"]
+fn scenes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let walker = root.join("scenes/walker/shot.toml");
     let text = std::fs::read_to_string(&walker).expect("a bundled scene");
@@ -57,19 +43,20 @@ fn main() {
     if let Some(knight) = find(&shared.join("assets"), "Knight.glb") {
         measure("Knight.glb, 1920 x 1080", || open(&knight, FileAccess::SceneFolder).expect("a scene"));
     }
-    large();
     work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
 }
 
 /// Models of a million vertices: one that moves as a whole, as text, and one that joints bend, binary.
-fn large() {
+#[test]
+#[ignore = "measures, and needs a quiet machine"]
+fn large_models() {
     let folder = tempfile::tempdir().expect("a folder");
     let [plane, ball] = ["plane.gltf", "ball.glb"].map(|name| folder.path().join(name));
     let scene = Tiny::of(vec![grid("Plane", [-0.7, -0.4, 0.7, 0.4], 1000)]).json();
     std::fs::write(&plane, scene.to_string()).expect("written");
-    crowd("a flat million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
+    drag_at_once("a flat million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
     std::fs::write(&ball, crowd::ball(1000, 1000)).expect("written");
-    crowd("a bent million vertices, 1920 x 1080", || open(&ball, FileAccess::SceneFolder).expect("a scene"));
+    drag_at_once("a bent million vertices, 1920 x 1080", || open(&ball, FileAccess::SceneFolder).expect("a scene"));
 }
 
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {
@@ -168,7 +155,7 @@ fn drag(session: &mut Session, from: ScreenPoint) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Measures a model that is too large to wait for its frames: the drag begins as soon as there is a pin.
-fn crowd(name: &str, document: impl Fn() -> Document) {
+fn drag_at_once(name: &str, document: impl Fn() -> Document) {
     let begun = Instant::now();
     let mut session = Session::new(document(), DeviceChoice::Cpu, || ());
     wait(&mut session, |session| session.picture().map(|_| ()));
@@ -211,16 +198,6 @@ fn work(name: &str, document: impl Fn() -> Document) {
         }
     }
     println!("{name}: {ROUNDS} drags in {:.0} s; memory after each quarter {} MiB", ms(begun) / 1e3, told.join(", "));
-}
-
-/// A long session of edits of all kinds on a small shot: the memory over the edits, and its slope after the warm-up.
-fn endure(count: usize) {
-    let growth = Endurance::begin().run(count / 20, |edits| edits < count);
-    let Some(slope) = growth.slope() else {
-        return println!("too few edits to tell, or a system that tells no memory");
-    };
-    println!("slope after the warm-up: {slope:.0} bytes per edit, {:.0} allowed", growth.bound());
-    assert!(slope < growth.bound(), "the memory grows");
 }
 
 /// Processor time of this process over all cores, in seconds; `None` if the system does not provide it.
