@@ -299,8 +299,7 @@ impl<const D: usize> System<D> {
             let residuals = (0..rows.len()).map(|row| rows.residual(row, unknowns));
             residuals.map(|by| dot(&by, &by).sqrt()).any(|residual| residual > MIN_RESIDUAL * self.grid.diagonal())
         };
-        self.barrier.as_ref().is_some_and(|barrier| !barrier.is_clear(unknowns))
-            && [self.terms.acting_pins(), &self.terms.handles].into_iter().any(is_missed)
+        !self.is_free_of_barrier(unknowns) && [self.terms.acting_pins(), &self.terms.handles].into_iter().any(is_missed)
     }
 
     /// Whether the barrier does not act on a state.

@@ -67,8 +67,19 @@ pub(super) fn check(shot: &PreparedShot, pair: &Pair) -> Vec<Apart> {
 /// The drawn girl that comes with the program.
 static PUPPET: LazyLock<Pair> = LazyLock::new(|| Pair::of(puppet()));
 
+/// The girl with half the spans of `dims = "auto"`, so that a lattice can have twice as many.
 fn puppet_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml")
+    static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("coarse_puppet");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        std::fs::copy(own.join("puppet.png"), folder.join("puppet.png")).expect("copied");
+        let text = std::fs::read_to_string(own.join("shot.toml")).expect("it comes with the program");
+        let path = folder.join("shot.toml");
+        std::fs::write(&path, text.replace("dims = \"auto\"", "dims = [24, 57]")).expect("written");
+        path
+    });
+    PATH.clone()
 }
 
 fn puppet() -> Shot {

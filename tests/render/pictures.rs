@@ -221,7 +221,7 @@ fn what_lies_behind_a_transparent_fold_shows() {
             by[column]
         )
     };
-    let lattice = "[[layer]]\nlattice = { dims = [4, 2], basis = \"bilinear\", box = \"frame\" }\n";
+    let lattice = "[[layer]]\nsolve = { guard = \"report\" }\nlattice = { dims = [4, 2], basis = \"bilinear\", box = \"frame\" }\n";
     let handles: String = (0..8).map(handle).collect();
     let (frame, _) = wall.render(wall.shot(&format!("image = \"girl.exr\"\n{lattice}{handles}")));
     // 40 comes from 20 (opaque), from 56 (turned over, transparent) and from 68 (transparent).

@@ -28,7 +28,7 @@ const HANDLES: [usize; 2] = [10, MAX_HANDLES];
 pub(in crate::pipeline) const SCENE_HANDLES: usize = 24;
 
 /// Number of handles above which the cost of a sequence is noted.
-const MANY_HANDLES: usize = 2000;
+const MANY_HANDLES: usize = 3000;
 
 /// Size of a followed box relative to the model, including the padding on both sides.
 const PADDING: f64 = 1.2;

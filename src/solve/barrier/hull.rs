@@ -82,9 +82,9 @@ impl<const D: usize> DifferenceHull<D> {
         for axis in 0..D {
             for handles in ends {
                 self.for_each(axis, (cell, handles), |slope| {
-                    for d in 0..D {
-                        let [low, high] = &mut ranges[d][axis];
-                        (*low, *high) = (low.min(slope[d]), high.max(slope[d]));
+                    for (range, slope) in ranges.iter_mut().zip(slope) {
+                        let [low, high] = &mut range[axis];
+                        (*low, *high) = (low.min(slope), high.max(slope));
                     }
                 });
             }

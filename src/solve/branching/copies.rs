@@ -18,6 +18,9 @@ use std::ops::Range;
 /// others share one, as on a plain lattice: time and memory grow with the square of this number.
 const MAX_COPIES: usize = 48;
 
+/// The growth of a support at which two copies count about half as one.
+const HALF_APART: f64 = 0.1;
+
 /// Two copies of one handle whose pieces become connected when the support of the handle grows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tie {
@@ -25,6 +28,19 @@ pub(super) struct Tie {
     pub(super) copies: [usize; 2],
     /// Smallest growth of the support at which the pieces are connected, in spans, 0 to 1.
     pub(super) growth: f64,
+}
+
+/// The degree to which pairs of copies count as one: 1 if they are equal or have just split, 0 if the pieces of some pair are a
+/// span apart.
+pub(super) fn coupling_degree(ties: &[Tie], pairs: impl Iterator<Item = [usize; 2]>) -> f64 {
+    let growth = |[one, other]: [usize; 2]| {
+        let copies = [one.min(other), one.max(other)];
+        let tie = || ties.binary_search_by_key(&copies, |tie| tie.copies);
+        if one == other { 0.0 } else { tie().map_or(1.0, |place| ties[place].growth) }
+    };
+    let growth = pairs.map(growth).fold(0.0, f64::max).min(1.0);
+    let near = (1.0 - growth).powi(2);
+    near / (near + (growth / HALF_APART).powi(2))
 }
 
 /// All copies.

@@ -3,9 +3,8 @@
 //! In: cuts with their copies. Out: pieces, their adjacency, and the branch of each.
 
 use super::cell_parts::CellParts;
-use super::copies::{Copies, Tie, first_handle_of_cell, handles_of_cell};
+use super::copies::{Copies, Tie, coupling_degree, first_handle_of_cell, handles_of_cell};
 use super::cuts::Cut;
-use super::row_shares::coupling_degree;
 use crate::lattice::Grid;
 use std::collections::VecDeque;
 use std::ops::Range;

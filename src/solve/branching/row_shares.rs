@@ -5,14 +5,11 @@
 //! small areas fade out. The energy is therefore continuous while pieces split, join, appear and vanish.
 
 use super::Branching;
-use super::copies::Tie;
+use super::copies::coupling_degree;
 use crate::solve::counting_sort::counting_sort_then_by;
 
 /// Smallest relative weight of a row, however small its area, so that its copies are determined.
 const MIN_SHARE: f64 = 1e-3;
-
-/// The growth of a support at which two copies count about half as one.
-const HALF_APART: f64 = 0.1;
 
 /// Largest number of handles in a second difference.
 const MAX_HANDLES: usize = 4;
@@ -79,19 +76,6 @@ impl<const D: usize> Branching<D> {
     pub(super) fn coupling_degree(&self, pairs: impl Iterator<Item = [usize; 2]>) -> f64 {
         coupling_degree(&self.ties, pairs)
     }
-}
-
-/// The degree to which pairs of copies count as one: 1 if they are equal or have just split, 0 if the pieces of some pair are a
-/// span apart.
-pub(super) fn coupling_degree(ties: &[Tie], pairs: impl Iterator<Item = [usize; 2]>) -> f64 {
-    let growth = |[one, other]: [usize; 2]| {
-        let copies = [one.min(other), one.max(other)];
-        let tie = || ties.binary_search_by_key(&copies, |tie| tie.copies);
-        if one == other { 0.0 } else { tie().map_or(1.0, |place| ties[place].growth) }
-    };
-    let growth = pairs.map(growth).fold(0.0, f64::max).min(1.0);
-    let near = (1.0 - growth).powi(2);
-    near / (near + (growth / HALF_APART).powi(2))
 }
 
 #[cfg(test)]
