@@ -66,8 +66,7 @@ pub(crate) use render::render;
 pub(crate) use render::render_mean;
 pub use render::{Piece, render_pieces};
 pub use render_job::Render;
-pub(crate) use shape_source::OwnPins;
-pub use shape_source::{Coverage, ShapeSource, ShotShape};
+pub use shape_source::{Coverage, OwnPins, ShapeSource, ShotShape};
 pub use solve::warp;
 pub(crate) use solve::{last_of_alpha, warp_until};
 #[cfg(feature = "ofx")]

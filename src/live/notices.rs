@@ -85,8 +85,9 @@ impl Warp {
         }
         if report.folded_model_cells > 0 {
             let cells = pluralised(report.folded_model_cells, "cell of the lattice folds", "cells of the lattice fold");
-            let text =
-                format!("{cells} over, so parts of the picture overlap; move pins apart, or enable the fold guard");
+            let text = format!(
+                "{cells} over, so parts of the picture overlap; move pins apart, or enable \"Stop before folds\""
+            );
             notices.push(Notice { subject: "folds".into(), text });
         }
         notices

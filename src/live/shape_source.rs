@@ -49,12 +49,12 @@ pub struct ShotShape {
     /// frame, and follow it. A pin that hits nothing stays fixed on the screen, and the report says so.
     pub pin_frame: i32,
     /// How the file's own pins are treated.
-    pub(crate) own_pins: OwnPins,
+    pub own_pins: OwnPins,
 }
 
 /// How a shot's own pins are treated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum OwnPins {
+pub enum OwnPins {
     /// They act together with the host's pins.
     #[default]
     Act,

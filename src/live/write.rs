@@ -8,6 +8,7 @@ use crate::image::replace_text;
 use crate::plate::Filter;
 use crate::shot::edit::{Factor, KeyedPin, LayerEdit, put_filter, put_layer};
 use crate::shot::{Anchor, Goal, PinKey, Rotation, Shot};
+use crate::solve::Guard;
 use crate::space::{FrameSize, ScreenPoint};
 use std::path::Path;
 
@@ -136,9 +137,15 @@ impl WriteShot<'_> {
             }
             _ => "",
         };
+        // A plate that moves as a whole has no guard.
+        let can_fold = matches!(subject, Subject::Picture(_)) || self.controls.moved == Moved::Masked;
+        let guard = match self.controls.guard {
+            Guard::Report if can_fold => "solve   = { guard = \"report\" }\n",
+            _ => "",
+        };
         format!(
             "version = 1\n{key:<7} = {path:?}\nframes  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n\
-             size    = [{width}, {height}]\npixel_aspect = {pixel_aspect:?}\n\n[[layer]]\nname    = {name:?}\n{matte}"
+             size    = [{width}, {height}]\npixel_aspect = {pixel_aspect:?}\n\n[[layer]]\nname    = {name:?}\n{guard}{matte}"
         )
     }
 

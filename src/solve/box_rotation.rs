@@ -29,7 +29,6 @@ impl<const D: usize> BoxRotation<D> {
     }
 
     /// Whether branches have the same copies of handles over the same shape.
-    #[cfg(test)]
     pub(crate) fn has_pieces_of(&self, branches: &BranchedLattice<D>) -> bool {
         self.branching.as_ref().is_some_and(|own| branches.is_of(own))
     }

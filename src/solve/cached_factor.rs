@@ -1,6 +1,7 @@
 //! A factored second derivative that is kept from step to step and from move to move.
 //!
-//! In: a factor. Out: the same for reuse, the memory of the factor that was dropped last, the forces that pins had with it, and where it was true and positive definite.
+//! In: a factor. Out: the same for reuse, the memory of the factor that was dropped last, the forces that pins had with it, and the
+//! state at which the true second derivative was positive definite.
 
 use super::linalg::factorization::Factorization;
 
@@ -52,6 +53,7 @@ impl CachedFactor {
     pub(crate) fn set_forces(&mut self, forces: Vec<f64>) {
         self.forces = forces;
     }
+
     /// The last state of the last move at which the true second derivative was positive definite.
     pub(crate) fn convex_state<const D: usize>(&self) -> Option<&[[f64; D]]> {
         Some(self.convex_at.as_chunks::<D>().0).filter(|state| !state.is_empty())

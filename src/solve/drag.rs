@@ -30,6 +30,9 @@ const TOLERANCE: f64 = 3e-5;
 /// last check.
 const UNCHECKED: f64 = 0.02;
 
+/// A second derivative that a move has factored counts for states up to this far from it, in box diagonals.
+const CHECKED_NEARBY: f64 = 0.005;
+
 /// A drag in progress. Where the energy has several minima, the result depends on the path of the pins, unlike that of a solve.
 ///
 /// ```
@@ -80,8 +83,7 @@ impl<const D: usize> Solver<D> {
     ///
     /// # Errors
     /// [`SolveError`] if the solution belongs to another solver.
-    #[cfg(test)]
-    pub(crate) fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
+    pub fn drag_from(&self, from: &Solution<D>) -> Result<Drag<'_, D>, SolveError> {
         let own = |branches: &BranchedLattice<D>| {
             self.system().has_pieces_of(branches) || self.box_rotation().has_pieces_of(branches)
         };
@@ -163,7 +165,8 @@ impl<const D: usize> Drag<'_, D> {
         let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
-            let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= unchecked;
+            let nearby = CHECKED_NEARBY * self.solver.system().grid().diagonal();
+            let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= nearby;
             let convex = self.factor.convex_state().filter(is_near);
             if let Some(at) = convex.filter(|_| self.solver.system().is_free_of_barrier(&run.handles)) {
                 self.checked = Some(at.to_vec());
@@ -174,6 +177,10 @@ impl<const D: usize> Drag<'_, D> {
                     (&upright.0, &upright.1),
                     self.cancel.unwrap_or(&Cancel::never()),
                 )?;
+                if run.handles != self.handles {
+                    // Factor and forces belong to the state that was left.
+                    self.factor = CachedFactor::default();
+                }
                 self.handles.clone_from(&run.handles);
                 self.checked = Some(run.handles.clone());
             }

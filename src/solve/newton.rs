@@ -157,6 +157,7 @@ impl<const D: usize> Minimization<'_, D> {
             descent.discard_factor();
         }
         *cached = descent.cached;
+        cached.set_forces(Vec::new());
         run.handles = descent.iterate.handles;
         self.constraints.enforce(self.terms, &mut residuals, &mut run.handles);
         if self.barrier.is_none_or(|barrier| barrier.is_clear(&run.handles)) {

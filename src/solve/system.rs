@@ -530,7 +530,6 @@ impl<const D: usize> System<D> {
     }
 
     /// Whether branches have the same copies of handles over the same shape as this system.
-    #[cfg(test)]
     pub(crate) fn has_pieces_of(&self, branches: &BranchedLattice<D>) -> bool {
         self.branching.as_ref().is_some_and(|own| branches.is_of(own))
     }

@@ -1,7 +1,7 @@
 //! Latency and memory of the editor: opening a file to the first picture, pointer to marks and to picture, processor load at
 //! rest, memory after a long session.
 //!
-//! Run with `cargo test --release --lib -- --ignored --nocapture edit::latency`. In: the walker and the hare at 1080p;
+//! Run with `cargo test --release --lib -- --ignored --nocapture --test-threads=1 edit::latency`. In: the walker and the hare at 1080p;
 //! Knight.glb, if the shared assets are next to the repository or in PINWARP_SHARED; models of a million vertices. Out:
 //! printed lines.
 

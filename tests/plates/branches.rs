@@ -67,7 +67,7 @@ pub(super) fn check(shot: &PreparedShot, pair: &Pair) -> Vec<Apart> {
 /// The drawn girl that comes with the program.
 static PUPPET: LazyLock<Pair> = LazyLock::new(|| Pair::of(puppet()));
 
-/// The girl with half the spans of `dims = "auto"`, so that a lattice can have twice as many.
+/// The girl with so few handles that a lattice can have twice as many spans across.
 fn puppet_path() -> PathBuf {
     static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
         let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet");
@@ -76,6 +76,7 @@ fn puppet_path() -> PathBuf {
         std::fs::copy(own.join("puppet.png"), folder.join("puppet.png")).expect("copied");
         let text = std::fs::read_to_string(own.join("shot.toml")).expect("it comes with the program");
         let path = folder.join("shot.toml");
+        assert!(text.contains("dims = \"auto\""), "{text}");
         std::fs::write(&path, text.replace("dims = \"auto\"", "dims = [24, 57]")).expect("written");
         path
     });

@@ -136,7 +136,13 @@ impl Session {
 
     /// Fixes the box of the selected layer's lattice on the screen where it is in this frame.
     pub(crate) fn fix_box(&mut self) {
-        match self.marks_of(self.selection.layer).and_then(|marks| marks.rest_box) {
+        let is_current = self
+            .current_solve
+            .as_ref()
+            .is_some_and(|solve| (solve.frame, solve.revision) == (self.playhead.frame(), self.revision));
+        let marks = self.marks_of(self.selection.layer).filter(|_| is_current);
+        match marks.and_then(|marks| marks.rest_box) {
+            None if !is_current => self.say("The frame is still being solved: fix the box once it is shown."),
             Some(found) => {
                 let ScreenBox { min, max } = found.upright;
                 self.set_box(&[min.0.x, min.0.y, max.0.x, max.0.y].map(|value| (value * 1e4).round() / 1e4));

@@ -20,7 +20,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
                 ui.label("Plate");
                 let name = plate.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 ui.horizontal(|ui| {
-                    let hint = "The shot has no plate any more; File, Choose plate gives it another";
+                    let hint = "Removes the plate from the shot; File, Choose plate sets another";
                     if ui.small_button("Remove").accessible("Remove plate").on_hover_text(hint).clicked() {
                         session.set_plate(None);
                     }

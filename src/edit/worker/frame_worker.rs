@@ -129,6 +129,7 @@ impl FrameWorker {
         let shot = wanted_shot(job);
         // What cannot be loaded is watched, too: it may be mended on disk.
         let is_other = self.watch.add(&shot, &self.files_beside(&shot));
+        self.watch.follow_plate(&shot);
         let rework = match &mut self.open {
             Some(open) => open.edit(shot)?,
             None => {
@@ -161,7 +162,6 @@ impl FrameWorker {
         if rework == Rework::Scene || is_other {
             self.watch.keep(open.given(), &open.prepared().scene.files_beside);
         }
-        self.watch.follow_plate(open.given());
         if rework >= Rework::Pins {
             sender.send(Reply::Loaded(Arc::new(self.facts(open))));
         }

@@ -5,7 +5,7 @@
 use super::connectivity::SHAPE_HINT;
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
-use crate::lattice::MAX_HANDLES_IN_ALL;
+use crate::lattice::{Basis, MAX_HANDLES_IN_ALL};
 use crate::shot::raw::{
     RawAuto, RawAxis, RawBox, RawDims, RawLambdas, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve,
     RawSpace,
@@ -37,7 +37,7 @@ impl Check<'_> {
         let space = self.lattice(&raw, &format!("{key}.lattice"), shot);
         self.plate_layer(&raw, &key, shot);
         let transfer = raw.transfer.as_ref().map(|transfer| self.transfer(transfer, &key, shot));
-        let settings = self.settings((&raw.solve, shot.space), &format!("{key}.solve"));
+        let settings = self.settings((&raw.solve, &raw.lattice), &format!("{key}.solve"));
         let topology = self.topology(&raw, (&settings, shot), &key);
         let settings = Settings { topology, ..settings };
         let (nodes, is_rest) = nodes(raw.nodes);
@@ -248,7 +248,7 @@ impl Check<'_> {
         topology
     }
 
-    fn settings(&mut self, (raw, space): (&RawSolve, RawSpace), key: &str) -> Settings {
+    fn settings(&mut self, (raw, lattice): (&RawSolve, &RawLattice), key: &str) -> Settings {
         let parts = [
             ("energy", raw.energy.is_some()),
             ("regularizer", raw.regularizer.is_some()),
@@ -279,7 +279,7 @@ impl Check<'_> {
             (settings.iteration_limit, settings.acceleration, settings.tolerance) = (iterations as usize, 0, -1.0);
         }
         settings.weights = raw.weights.unwrap_or(settings.weights);
-        settings.guard = raw.guard.unwrap_or(default_guard(raw, space));
+        settings.guard = raw.guard.unwrap_or(default_guard(raw, lattice));
         if raw.weights.is_some() && !settings.energy.has_edge_weights() {
             let hint = "add energy = \"edge\" or remove `weights`";
             self.fault(&format!("{key}.weights"), "only the energies \"edge\" and \"vertex\" have edge weights", hint);
@@ -290,13 +290,14 @@ impl Check<'_> {
     }
 }
 
-/// Returns the guard of a layer that names none: folds are prevented on the screen, and reported in space, where that takes long, and
-/// with the published method, the weights of problem files or a fixed number of iterations.
-fn default_guard(raw: &RawSolve, space: RawSpace) -> Guard {
+/// Returns the guard of a layer that names none: folds are prevented on the screen. They are reported in space and with Bernstein
+/// polynomials, where preventing them takes long, and with the published method, the weights of problem files or a fixed number of
+/// iterations.
+fn default_guard(raw: &RawSolve, lattice: &RawLattice) -> Guard {
     let is_reference =
         matches!(raw.preset, Some(RawPreset::Paper)) || raw.lambdas.is_some() || raw.iterations.is_some();
-    match space {
-        RawSpace::Screen if !is_reference => Guard::Limit,
+    match lattice.space {
+        RawSpace::Screen if !is_reference && lattice.basis != Basis::Bernstein => Guard::Limit,
         RawSpace::Screen | RawSpace::World => Guard::Report,
     }
 }

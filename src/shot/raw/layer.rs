@@ -251,8 +251,8 @@ pub(in crate::shot) struct RawSolve {
     #[schemars(range(min = 0, max = 100_000), example = 60)]
     pub(in crate::shot) iterations: Option<u32>,
     /// What happens where the lattice would fold. "report" reports the fold. "limit" prevents folds in cells that contain part of
-    /// the layer; pins give way where this would take more force than they have. Default: limit on the screen;
-    /// report in the scene, and with preset = "paper", `lambdas` or `iterations`.
+    /// the layer; pins give way where this would take more force than they have. Default: limit on the screen; report in the scene,
+    /// with basis = "bernstein", and with preset = "paper", `lambdas` or `iterations`.
     #[schemars(example = &"limit")]
     pub(in crate::shot) guard: Option<Guard>,
     /// Stretch up to which pins less than one lattice span apart are met exactly. Beyond it their difference yields smoothly, and

@@ -161,9 +161,10 @@ impl<const D: usize> BarrierPoints<D> {
 
     fn blocks_below(&self, least: f64, bounds: impl Fn(&DifferenceHull<D>) -> Vec<f64>) -> Vec<usize> {
         match &self.hull {
-            Some(hull) => {
-                (0..).zip(bounds(hull)).filter_map(|(block, bound)| (bound <= least).then_some(block)).collect()
-            }
+            Some(hull) => (0..)
+                .zip(bounds(hull))
+                .filter_map(|(block, bound)| (bound.is_nan() || bound <= least).then_some(block))
+                .collect(),
             None => (0..self.weights.blocks.len()).collect(),
         }
     }
