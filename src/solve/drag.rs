@@ -30,9 +30,6 @@ const TOLERANCE: f64 = 3e-5;
 /// last check.
 const UNCHECKED: f64 = 0.02;
 
-/// A second derivative that a move has factored counts for states up to this far from it, in box diagonals.
-const CHECKED_NEARBY: f64 = 0.005;
-
 /// A drag in progress. Where the energy has several minima, the result depends on the path of the pins, unlike that of a solve.
 ///
 /// ```
@@ -165,8 +162,7 @@ impl<const D: usize> Drag<'_, D> {
         let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
-            let nearby = CHECKED_NEARBY * self.solver.system().grid().diagonal();
-            let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= nearby;
+            let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= unchecked;
             let convex = self.factor.convex_state().filter(is_near);
             if let Some(at) = convex.filter(|_| self.solver.system().is_free_of_barrier(&run.handles)) {
                 self.checked = Some(at.to_vec());
@@ -177,10 +173,6 @@ impl<const D: usize> Drag<'_, D> {
                     (&upright.0, &upright.1),
                     self.cancel.unwrap_or(&Cancel::never()),
                 )?;
-                if run.handles != self.handles {
-                    // Factor and forces belong to the state that was left.
-                    self.factor = CachedFactor::default();
-                }
                 self.handles.clone_from(&run.handles);
                 self.checked = Some(run.handles.clone());
             }

@@ -5,7 +5,7 @@
 use super::connectivity::SHAPE_HINT;
 use super::select::nodes;
 use super::{Check, Kind, LayerDefaults};
-use crate::lattice::{Basis, MAX_HANDLES_IN_ALL};
+use crate::lattice::MAX_HANDLES_IN_ALL;
 use crate::shot::raw::{
     RawAuto, RawAxis, RawBox, RawDims, RawLambdas, RawLattice, RawLayer, RawMatte, RawNamedMatte, RawPreset, RawSolve,
     RawSpace,
@@ -297,7 +297,7 @@ fn default_guard(raw: &RawSolve, lattice: &RawLattice) -> Guard {
     let is_reference =
         matches!(raw.preset, Some(RawPreset::Paper)) || raw.lambdas.is_some() || raw.iterations.is_some();
     match lattice.space {
-        RawSpace::Screen if !is_reference && lattice.basis != Basis::Bernstein => Guard::Limit,
+        RawSpace::Screen if !is_reference && lattice.basis.is_local() => Guard::Limit,
         RawSpace::Screen | RawSpace::World => Guard::Report,
     }
 }
