@@ -78,7 +78,9 @@ impl Scene {
     ///
     /// ```
     /// use pinwarp::scene::{Clip, Scene};
-    /// let scene = Scene { clips: vec![Clip { name: "Walk".into(), ..Clip::default() }], ..Scene::default() };
+    /// let mut walk = Clip::default();
+    /// walk.name = "Walk".into();
+    /// let scene = Scene { clips: vec![walk], ..Scene::default() };
     /// assert_eq!(scene.find_clip(Some("Walk"), None)?, Some(0));
     /// assert!(scene.find_clip(Some("walk"), None).unwrap_err().to_string().contains("did you mean \"Walk\"?"));
     /// # Ok::<(), pinwarp::scene::FindError>(())
