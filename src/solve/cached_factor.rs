@@ -12,7 +12,7 @@ pub(crate) struct CachedFactor {
     buffer: Vec<f64>,
     /// Forces of the pins at the last minimum with the barrier, coordinate by coordinate; empty after other minima.
     forces: Vec<f64>,
-    /// The last state of the present move at which the true second derivative was positive definite, flat; empty if there is none.
+    /// The last state of the present minimisation at which the true second derivative was positive definite, flat; empty if there is none.
     convex_at: Vec<f64>,
 }
 

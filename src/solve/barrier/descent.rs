@@ -97,8 +97,6 @@ pub(super) struct Descent<'a, const D: usize> {
     /// Index into [`LEVELS`]: 0 is the true second derivative, higher levels are convex matrices.
     level: usize,
     cached: CachedFactor,
-    /// The state at which the last factor of this descent was computed, if it was that of the true second derivative.
-    convex_at: Option<Vectors<D>>,
     /// Whether the factor was computed at the state from which the first of `steps` started.
     is_fresh: bool,
     /// Lengths of the steps with this factor.
@@ -114,8 +112,9 @@ impl<'a, const D: usize> Descent<'a, D> {
         (problem, points): (&'a Minimization<'a, D>, &'a BarrierPoints<D>),
         reactions: Reactions<'a, D>,
         iterations: usize,
-        cached: CachedFactor,
+        mut cached: CachedFactor,
     ) -> Self {
+        cached.clear_convex_state();
         Self {
             problem,
             points,
@@ -123,7 +122,6 @@ impl<'a, const D: usize> Descent<'a, D> {
             iterations,
             level: usize::from(!cached.is_some()),
             cached,
-            convex_at: None,
             is_fresh: false,
             steps: Vec::new(),
             anderson: Anderson::new(ANDERSON_WINDOW),
@@ -151,8 +149,8 @@ impl<'a, const D: usize> Descent<'a, D> {
         if !has_given_way {
             problem.constraints.enforce(problem.terms, &mut Vec::new(), &mut handles);
         }
-        let is_near = |at: &Vectors<D>| largest_step(at, &handles) <= NEAR * problem.diagonal;
-        let is_checked = self.level == 0 && self.convex_at.as_ref().is_some_and(is_near);
+        let is_near = |at: &[[f64; D]]| largest_step(at, &handles) <= NEAR * problem.diagonal;
+        let is_checked = self.level == 0 && self.cached.convex_state().is_some_and(is_near);
         let is_minimum = (is_converged && is_checked).then_some(true);
         if !is_converged || self.level > 0 {
             self.cached.discard_factor();
@@ -315,7 +313,9 @@ impl<'a, const D: usize> Descent<'a, D> {
             self.cached.set_factor(Factorization::of_positive(second, cancel));
             cancel.check()?;
             if self.cached.is_some() {
-                self.convex_at = (self.level == 0).then(|| state.handles.clone());
+                if !is_convex {
+                    self.cached.set_convex_state(&state.handles);
+                }
                 return Ok(());
             }
             self.level += 1;

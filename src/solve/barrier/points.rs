@@ -9,13 +9,21 @@ use super::potential::{ACTIVATION_DET, potential};
 use crate::lattice::{Grid, Support};
 use crate::solve::blocked_weights::BlockedWeights;
 use crate::solve::cancel::Cancel;
+use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
-use crate::solve::linalg::simd::{Lanes, lane_of};
+use crate::solve::linalg::simd::{Lanes, dispatch, lane_of};
 use crate::solve::linalg::small_matrix::{SquareMatrix, determinant};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Points per axis in a cell, in 2D and 3D.
 pub(super) const FINE: [usize; 2] = [10, 6];
+
+/// Signs of eigenvalues.
+const SIGNS: [f64; 2] = [1.0, -1.0];
+
+/// Number of blocks whose curvature is computed in parallel.
+const ROUND: usize = 16;
 
 /// The cells that one part of the barrier covers, and the unknown of each handle there. `None`: handles are the unknowns
 /// themselves.
@@ -125,20 +133,44 @@ impl<const D: usize> BarrierPoints<D> {
         is_convex: bool,
         normal: &mut NormalMatrix,
     ) {
-        let mut row: Vec<(usize, f64)> = Vec::new();
-        for point in penalised {
-            let [_, slope, bend] = potential(point.det);
-            for (value, along) in eigen_pairs(&point.gradient, [slope, bend], is_convex) {
-                row.clear();
-                for (handle, gradient) in self.row(point) {
-                    row.extend(
-                        (0..D)
-                            .map(|d| (D * handle + d, (0..D).map(|axis| along[d][axis] * gradient[axis]).sum::<f64>())),
-                    );
+        // The points of a block share its handles.
+        let of_blocks: Vec<&[PenalisedPoint<D>]> = penalised.chunk_by(|a, b| a.place[0] == b.place[0]).collect();
+        for round in of_blocks.chunks(ROUND) {
+            let of_block = |points: &&[PenalisedPoint<D>]| self.curvature_of_block(points, is_convex);
+            let curvatures: Vec<_> = round.par_iter().map(of_block).collect();
+            for (points, (rows, by_sign)) in round.iter().zip(curvatures) {
+                let factor = 0.5 * scale * self.shares[points[0].place[0]];
+                for (sign, gram) in SIGNS.into_iter().zip(by_sign) {
+                    normal.add_gram(sign * factor, &rows, &gram);
                 }
-                normal.add_row(0.5 * scale * self.shares[point.place[0]] * value, &row);
             }
         }
+    }
+
+    /// Returns the coordinates of the handles of a block, ascending, and the sums over its points of the outer products of the
+    /// eigenvectors there, weighted by the magnitude of their eigenvalues, for each of [`SIGNS`].
+    fn curvature_of_block(&self, points: &[PenalisedPoint<D>], is_convex: bool) -> (Vec<usize>, [GramMatrix; 2]) {
+        let handles = &self.weights.blocks[points[0].place[0]].handles;
+        let mut order: Vec<usize> = (0..handles.len()).collect();
+        order.sort_unstable_by_key(|&number| handles[number]);
+        let rows: Vec<usize> = order.iter().flat_map(|&number| (0..D).map(move |d| D * handles[number] + d)).collect();
+        let mut by_sign = [GramMatrix::default(), GramMatrix::default()];
+        by_sign.iter_mut().for_each(|gram| gram.clear(rows.len()));
+        for point in points {
+            let [block, packet, lane] = point.place;
+            let coefficients = self.weights.packet(&self.weights.blocks[block], packet);
+            let [_, slope, bend] = potential(point.det);
+            for (value, along) in eigen_pairs(&point.gradient, [slope, bend], is_convex) {
+                let along = along.map(|row| row.map(|x| value.abs().sqrt() * x));
+                let row = by_sign[usize::from(value < 0.0)].push();
+                for (slots, &number) in row.as_chunks_mut::<D>().0.iter_mut().zip(&order) {
+                    let gradient = coefficients[number].map(|lanes| lanes[lane]);
+                    *slots = along.map(|row| row.iter().zip(&gradient).map(|(x, y)| x * y).sum());
+                }
+            }
+        }
+        by_sign.iter_mut().for_each(|gram| dispatch(Sum(gram)));
+        (rows, by_sign)
     }
 
     /// Handles that act on a point, with their ∇W.

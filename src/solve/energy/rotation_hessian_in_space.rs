@@ -6,11 +6,16 @@
 use super::Area;
 use super::distortion::RotationHessian;
 use super::rotation_response::SampleResponse;
+use crate::solve::blocked_weights::Block;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
 use crate::solve::linalg::simd::{LANES, Lanes, dispatch, lane_of};
 use crate::solve::linalg::small_matrix::SquareMatrix;
+use rayon::prelude::*;
+
+/// Number of blocks whose terms are computed in parallel between two polls of the cancellation hook.
+const ROUND: usize = 16;
 
 impl<const D: usize> Area<D> {
     /// Subtracts the rank-one terms of all samples; the row of a coordinate is D·handle + coordinate.
@@ -22,25 +27,33 @@ impl<const D: usize> Area<D> {
         cancel: &Cancel,
     ) {
         let at_samples = self.gradients.gradients_at(handles);
-        let mut gram = GramMatrix::default();
-        for block in &self.gradients.blocks {
+        for round in self.gradients.blocks.chunks(ROUND) {
             if cancel.is_requested() {
                 return;
             }
-            let rows: Vec<usize> =
-                block.handles.iter().flat_map(|&handle| (0..D).map(move |d| D * handle + d)).collect();
-            gram.clear(rows.len());
-            for packet in block.packets.clone() {
-                let coefficients = self.gradients.packet(block, packet);
-                for lane in (0..LANES).filter(|&lane| self.areas[packet][lane] > 0.0) {
-                    let response = SampleResponse::at(&lane_of(&at_samples[packet], lane), hessian.limit);
-                    let squares = response.squares(self.areas[packet][lane]);
-                    squares.iter().for_each(|square| write_row(gram.push(), square, (coefficients, lane)));
-                }
+            let of_block = |block: &Block| self.rotation_terms(block, &at_samples, hessian.limit);
+            let terms: Vec<GramMatrix> = round.par_iter().map(of_block).collect();
+            for (block, gram) in round.iter().zip(&terms) {
+                let rows = block.handles.iter().flat_map(|&handle| (0..D).map(move |d| D * handle + d));
+                normal.add_gram(-2.0 * hessian.scale, &rows.collect::<Vec<usize>>(), gram);
             }
-            dispatch(Sum(&mut gram));
-            normal.add_gram(-2.0 * hessian.scale, &rows, &gram);
         }
+    }
+
+    /// Returns the sum of the rank-one terms of the samples in a block, over the coordinates of its handles.
+    fn rotation_terms(&self, block: &Block, at_samples: &[[[Lanes; D]; D]], limit: f64) -> GramMatrix {
+        let mut gram = GramMatrix::default();
+        gram.clear(D * block.handles.len());
+        for packet in block.packets.clone() {
+            let coefficients = self.gradients.packet(block, packet);
+            for lane in (0..LANES).filter(|&lane| self.areas[packet][lane] > 0.0) {
+                let response = SampleResponse::at(&lane_of(&at_samples[packet], lane), limit);
+                let squares = response.squares(self.areas[packet][lane]);
+                squares.iter().for_each(|square| write_row(gram.push(), square, (coefficients, lane)));
+            }
+        }
+        dispatch(Sum(&mut gram));
+        gram
     }
 }
 

@@ -85,8 +85,8 @@ fn rotate_pair<const N: usize>(a: &mut SquareMatrix<N>, vectors: &mut SquareMatr
         return;
     }
     let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-    let c = 1.0 / t.hypot(1.0);
+    let t = theta.signum() / (theta.abs() + theta.mul_add(theta, 1.0).sqrt());
+    let c = 1.0 / t.mul_add(t, 1.0).sqrt();
     let s = t * c;
     for row in a.iter_mut().chain(vectors.iter_mut()) {
         (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
