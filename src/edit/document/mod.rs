@@ -63,7 +63,7 @@ impl Document {
         Ok(Self { path, text, known, shot, access, history, journal: None, journal_fault: None, scene: None })
     }
 
-    /// Sets the files that the scene may refer to, which no shot file says.
+    /// Sets which files the scene may refer to; shot files do not store this.
     pub(crate) fn allowing(mut self, access: FileAccess) -> Self {
         self.access = access;
         self.shot.allow_outside = access == FileAccess::Anywhere;
