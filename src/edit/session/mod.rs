@@ -12,6 +12,7 @@ mod handles;
 mod key_steps;
 mod keying;
 mod painting;
+mod lattice_space;
 mod placing;
 mod plates;
 mod pointer;
