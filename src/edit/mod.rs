@@ -52,7 +52,7 @@ pub(crate) use open::open;
 pub(crate) use picture::{Picture, Quality};
 pub(crate) use playhead::Pace;
 pub(crate) use reference::Reference;
-pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, Onion, Wipe};
+pub(crate) use session::{BRUSH_RADII, BRUSH_STIFFNESSES, CurveUnit, Figure, Onion, Wipe};
 pub(crate) use session::{EasePreset, Held, KeyStep, MatteChoice, PinPart, RenderRun, Ring, RunState, Session, Shown};
 pub(crate) use shortcuts::Action;
 pub(crate) use shortcuts::{Chord, Shortcuts};

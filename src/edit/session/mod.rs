@@ -7,12 +7,13 @@ mod channels;
 mod clipboard;
 mod curves;
 mod export_run;
+mod figures;
 mod gesture;
 mod handles;
 mod key_steps;
 mod keying;
-mod painting;
 mod lattice_space;
+mod painting;
 mod placing;
 mod plates;
 mod pointer;
@@ -25,6 +26,7 @@ mod shot_settings;
 mod shown;
 
 pub(crate) use arrange::MatteChoice;
+pub(crate) use figures::Figure;
 pub(crate) use key_steps::CurveUnit;
 pub(crate) use key_steps::KeyStep;
 pub(crate) use keying::EasePreset;
@@ -43,6 +45,7 @@ use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
 use super::{DiskChange, Document, EditError};
+use crate::pipeline::FrameReport;
 use crate::raster::DeviceChoice;
 use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
@@ -95,6 +98,8 @@ pub(crate) struct Session {
     current: Option<Arc<Picture>>,
     solves: BTreeMap<i32, Arc<SolvedFrame>>,
     current_solve: Option<Arc<SolvedFrame>>,
+    /// The reports of the frames as rendered, of frames that were not drawn, too.
+    reports: BTreeMap<i32, FrameReport>,
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
@@ -142,6 +147,7 @@ impl Session {
             current: None,
             solves: BTreeMap::new(),
             current_solve: None,
+            reports: BTreeMap::new(),
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
@@ -294,6 +300,10 @@ impl Session {
         match reply {
             Reply::Loaded(loaded) => self.loaded = loaded,
             Reply::Solved(solved) => self.take_solve(solved),
+            Reply::Reported(revision, frame, report) if revision == self.revision => {
+                self.reports.insert(frame, *report);
+            }
+            Reply::Reported(..) => {}
             Reply::Drawn(picture) => self.take_picture(picture),
             Reply::Before(picture) => self.before = Some(picture),
             Reply::Picked(id, point) => self.picked(id, point),
@@ -323,6 +333,7 @@ impl Session {
             self.current_solve = Some(Arc::clone(&solved));
         }
         if solved.is_final {
+            self.reports.insert(solved.frame, solved.report.clone());
             self.solves.insert(solved.frame, solved);
         }
     }
@@ -360,6 +371,7 @@ impl Session {
         self.revision += 1;
         self.pictures.clear();
         self.solves.clear();
+        self.reports.clear();
         (self.before, self.fault) = (None, None);
     }
 
@@ -402,13 +414,13 @@ impl Session {
                 layer.strength *= f64::from(u8::from(is_heard));
             }
         }
-        let next = match purpose {
-            Purpose::Drag(_) | Purpose::Paint => Vec::new(),
-            Purpose::Look | Purpose::Play => self.frames_ahead(),
+        let (next, reports) = match purpose {
+            Purpose::Drag(_) | Purpose::Paint => (Vec::new(), Vec::new()),
+            Purpose::Look | Purpose::Play => (self.frames_ahead(), self.frames_without_report()),
         };
         let with_before = self.wants_before() && purpose == Purpose::Look;
         let (revision, frame) = (self.revision, self.playhead.frame());
-        self.worker.want(Job { shot, revision, frame, purpose, next, with_before, is_shown: false });
+        self.worker.want(Job { shot, revision, frame, purpose, next, reports, with_before, is_shown: false });
     }
 
     /// Returns the frames without a picture, in playback order.
