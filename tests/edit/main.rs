@@ -24,6 +24,7 @@ mod layer_panel;
 mod model;
 mod on_disk;
 mod panels;
+mod parts;
 mod pins;
 mod seen;
 mod session_memory;

@@ -32,6 +32,7 @@ mod options;
 mod over;
 mod panel_edge;
 mod panels;
+mod picture_parts;
 mod questions;
 mod references;
 mod screenshot;

@@ -6,6 +6,7 @@ use super::brush;
 use super::keys::is_held;
 use super::marks::{Over, RING};
 use super::onion;
+use super::picture_parts;
 use super::references;
 use super::theme;
 use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
@@ -110,6 +111,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
     over.draw();
     brush_ring(ui, &response, (&over, is_brush), shortcuts);
     status(ui, rect, session, &lens);
+    picture_parts::show(ui, &response, (session, &lens), REACH);
     menu(&response, session);
 }
 
