@@ -103,6 +103,7 @@ actions! {
     Paste "paste" "Edit" "Paste keys" "Ctrl+V",
     Delete "delete" "Edit" "Delete keys or pins" "Delete",
     Mute "mute" "Edit" "Mute pins" "M",
+    Hard "hard" "Edit" "Hard or soft pins" "E",
     All "all" "Edit" "Choose all pins" "Ctrl+A",
     Play "play" "Time" "Play or stop" "Space",
     Back "back" "Time" "Frame back" "Comma",

@@ -24,6 +24,7 @@ mod rings;
 mod selection;
 mod shot_settings;
 mod shown;
+mod weights;
 
 pub(crate) use arrange::MatteChoice;
 pub(crate) use figures::Figure;
@@ -109,6 +110,8 @@ pub(crate) struct Session {
     pub(crate) conflict: Option<String>,
     fault: Option<String>,
     message: Option<String>,
+    /// The weights that pins had when they were soft last, by the names of layer and pin.
+    soft: BTreeMap<(String, String), f64>,
     /// Copied keys.
     copied: Vec<clipboard::Copied>,
     run: Option<RenderRun>,
@@ -155,6 +158,7 @@ impl Session {
             conflict: None,
             fault: None,
             message: None,
+            soft: BTreeMap::new(),
             copied: Vec::new(),
             run: None,
             export: export_run::ExportRun::default(),

@@ -88,6 +88,7 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
         Action::Delete if session.selection.keys.is_empty() => session.delete_pins(),
         Action::Delete => session.delete_keys(),
         Action::Mute => session.mute_chosen(),
+        Action::Hard => session.toggle_hard(),
         Action::Mirror => flip(&mut session.mirrors),
         Action::MirrorPins => session.mirror_pins(),
         Action::All => session.choose_all(),

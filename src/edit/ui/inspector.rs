@@ -9,7 +9,7 @@ use super::turn_fields;
 use crate::edit::{Figure, Session};
 use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion};
 use crate::space::{ScreenPoint, ScreenVector};
-use eframe::egui::{self, Color32, Grid, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Checkbox, Color32, Grid, RichText, ScrollArea, Ui};
 
 /// The field of a pin's name.
 const NAME: NameField = NameField { name: "Pin name", hint: "Pin name", width: f32::INFINITY };
@@ -31,6 +31,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
                     0 => "None is chosen. Click the model to place one; drag empty space to choose several.".to_owned(),
                     count => format!("{count} pins are chosen: drag one of them, nudge them with the arrow keys."),
                 });
+                hard(ui, session);
             }
         }
         handle_panel::show(ui, session);
@@ -76,6 +77,9 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
 
 /// Edits the pin's weight, from soft to hard.
 fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
+    ui.label("Hold");
+    hard(ui, session);
+    ui.end_row();
     ui.label("Weight");
     let mut weight = old;
     let hint = "1 holds the point exactly; less gives way to the shape and to other pins";
@@ -84,6 +88,20 @@ fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
         session.set_weight(at, weight);
     }
     ui.end_row();
+}
+
+/// Makes the selected pins hard or soft.
+fn hard(ui: &mut Ui, session: &mut Session) {
+    if session.selection.pins.is_empty() {
+        return;
+    }
+    let are_hard = session.are_hard();
+    let mut is_hard = are_hard.unwrap_or(false);
+    let hint = "On: the point is held exactly. Off: it gives way to the shape and to other pins, with the weight that it had last";
+    let checkbox = Checkbox::new(&mut is_hard, "Hard").indeterminate(are_hard.is_none());
+    if ui.add(checkbox).on_hover_text(hint).changed() {
+        session.set_hard(is_hard);
+    }
 }
 
 /// Edits a position in pixels, or in per cent of the lattice's box.

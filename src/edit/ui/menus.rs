@@ -48,6 +48,7 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
                 Action::Paste,
                 Action::Delete,
                 Action::Mute,
+                Action::Hard,
                 Action::MirrorPins,
                 Action::All,
                 Action::Key,
