@@ -23,6 +23,7 @@ mod latency;
 mod layer_panel;
 mod model;
 mod on_disk;
+mod pan;
 mod panels;
 mod parts;
 mod pins;

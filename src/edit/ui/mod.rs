@@ -30,6 +30,7 @@ mod number_field;
 mod onion;
 mod options;
 mod over;
+mod pan;
 mod panel_edge;
 mod panels;
 mod picture_parts;
