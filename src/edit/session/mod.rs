@@ -540,6 +540,7 @@ impl Session {
     /// Reloads after the shot file or its scene changed on disk.
     pub(crate) fn reload(&mut self) {
         self.worker.forget();
+        self.document.read_files_again();
         self.document_changed();
     }
 }

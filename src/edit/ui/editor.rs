@@ -108,7 +108,7 @@ impl Editor {
     }
 
     /// Returns the open session mutably.
-    pub(super) const fn session_mut(&mut self) -> Option<&mut Session> {
+    pub(crate) const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
 
@@ -324,7 +324,7 @@ impl Editor {
         match (purpose, &mut self.session) {
             (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
             (Purpose::SaveAs, _) => self.try_save_as(path),
-            (Purpose::Plate, Some(session)) => session.set_plate(Some(path)),
+            (Purpose::Plate, Some(session)) => session.choose_plate(path),
             (Purpose::Reference, Some(session)) => {
                 if let Err(error) = session.add_reference(path) {
                     session.say(error.to_string());

@@ -174,10 +174,13 @@ impl FrameWorker {
         Ok(())
     }
 
-    /// Returns the files beside the scene of a shot that is about to be loaded; none if it is loaded already, or cannot be read.
+    /// Returns the files beside the scene of a shot that is about to be loaded; none if they are watched already, or the scene cannot be
+    /// read.
     fn files_beside(&self, shot: &Shot) -> Vec<PathBuf> {
         match (&self.open, &self.loaded, &shot.source) {
-            (Some(open), _, source) if open.given().source == *source => Vec::new(),
+            (Some(open), _, source) if open.given().source == *source && self.watch.is_of(shot) => Vec::new(),
+            // Saved elsewhere: what is watched begins anew, even if this edit cannot be loaded.
+            (Some(open), _, source) if open.given().source == *source => open.prepared().scene.files_beside.clone(),
             (None, Some(scene), _) => scene.files_beside.clone(),
             (_, _, Source::Scene(scene)) => scene::files_beside(scene).unwrap_or_default(),
             (_, _, Source::Images(_) | Source::Frame) => Vec::new(),
