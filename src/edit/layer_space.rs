@@ -233,8 +233,8 @@ impl Moved<'_> {
         else {
             return Ok(());
         };
-        let radius = self.radius(pin, mark).map(|factor| (region.radius * factor * 1e4).round() / 1e4);
-        let region = radius.filter(|radius| *radius > 0.0).map(|radius| PinRegion { radius, ..region });
+        let factor = self.radius(pin, mark).filter(|factor| factor.is_finite());
+        let region = factor.map(|factor| PinRegion { radius: readable(region.radius * factor), ..region });
         self.text = put_region(&self.text, at, region)?;
         if region.is_none() {
             self.dropped.push(format!("the region of pin '{}'", pin.name));
@@ -291,6 +291,13 @@ impl Moved<'_> {
     }
 }
 
+/// Rounds a radius to four digits, within what a shot accepts. Models may be millimetres or kilometres long.
+fn readable(radius: f64) -> f64 {
+    let radius = radius.clamp(1e-5, 1e5);
+    let digits = 10.0_f64.powi(3 - radius.log10().floor() as i32);
+    (radius * digits).round() / digits
+}
+
 const fn is_three(rotation: Rotation) -> bool {
     matches!(rotation, Rotation::Axes(_))
 }
@@ -306,4 +313,17 @@ fn seen(offset: DVec3, steps: [DVec3; 2]) -> ScreenVector {
 
 fn rounded(offset: DVec2) -> ScreenVector {
     ScreenVector((offset * 1e6).round() / 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::readable;
+
+    #[test]
+    fn radii_of_small_models_keep_their_digits() {
+        let radii = [(0.000_123_456, 0.000_123_5), (12.345_67, 12.35), (1e-9, 1e-5), (0.1018, 0.1018)];
+        for (radius, short) in radii {
+            assert!((readable(radius) - short).abs() < 1e-9, "{radius}: {}", readable(radius));
+        }
+    }
 }

@@ -33,6 +33,7 @@ mod snapshot;
 mod space;
 mod stage;
 mod story;
+mod strange;
 mod time;
 mod view;
 mod window;

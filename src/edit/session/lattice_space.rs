@@ -86,7 +86,7 @@ fn corners(space: LayerSpace, marks: &LayerMarks) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shot::{Goal, Rotation};
+    use crate::shot::{Goal, Rotation, WorldBoxRule};
 
     const SCREEN: &str = "scene = 'a.glb' # mine
 frames = { first = 1, last = 24 }
@@ -163,6 +163,19 @@ keys = [ { frame = 1, offset = [0.1, 0.2], rotate = 30 } ]
         assert!(!told.contains("'q'"), "{told}");
         session.undo();
         assert_eq!(session.document().text(), text);
+    }
+
+    #[test]
+    fn a_box_that_is_fixed_in_the_scene_follows_no_node() {
+        let mut session = Session::of_text(
+            "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n[[layer]]\nname = 'a'\n\
+             lattice = { space = 'world', dims = [4, 4, 4], frame = { node = 'Spine' } }\n",
+        );
+        session.set_box(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0]);
+        let layer = &session.document().shot().layers[0];
+        let fixed = WorldBoxRule::Fixed([[0.0; 3], [1.0, 2.0, 3.0]]);
+        assert_eq!(layer.space, LayerSpace::World { dims: [4; 3], bounds: fixed }, "{:?}", session.message());
+        assert_eq!(layer.orientation.node, None);
     }
 
     #[test]

@@ -400,6 +400,7 @@ impl Session {
     fn document_changed(&mut self) {
         self.dragged = None;
         let shot = self.document.shot();
+        self.gesture.follow(shot);
         self.playhead.follow(&shot.frames);
         self.selection.retain(shot);
         self.forget_missing_layers();
@@ -477,8 +478,12 @@ impl Session {
         }
     }
 
-    /// Undoes the last change.
+    /// Undoes the last change; during a drag, that drag alone.
     pub(crate) fn undo(&mut self) {
+        if self.dragged.is_some() && !self.gesture.is_idle() {
+            self.cancel();
+            return self.say("Undone: the drag");
+        }
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),
             None => self.say("There is nothing to undo."),
