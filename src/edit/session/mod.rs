@@ -104,6 +104,8 @@ pub(crate) struct Session {
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
+    /// Whether replies are left unread, for a picture of the window that does not depend on when it is taken.
+    is_held: bool,
     /// Whether the shot file was written, possibly by another program.
     is_written: bool,
     /// The text on disk, if another program wrote it where there are unsaved changes: the user has to decide.
@@ -154,6 +156,7 @@ impl Session {
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
+            is_held: false,
             is_written: false,
             conflict: None,
             fault: None,
@@ -260,6 +263,9 @@ impl Session {
 
     /// Processes the replies of the worker thread. Returns whether anything changed.
     pub(crate) fn pump(&mut self) -> bool {
+        if self.is_held {
+            return false;
+        }
         let replies: Vec<Reply> = self.worker.replies().collect();
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
@@ -279,6 +285,11 @@ impl Session {
             self.notice_ended_worker();
         }
         self.fault.is_none()
+    }
+
+    /// Leaves everything as it is shown now: later replies are not read.
+    pub(crate) const fn hold(&mut self) {
+        self.is_held = true;
     }
 
     /// Turns the end of the worker thread into a fault.

@@ -77,7 +77,7 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
 
 /// Edits the pin's weight, from soft to hard.
 fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
-    ui.label("Hold");
+    ui.label("Firmness");
     hard(ui, session);
     ui.end_row();
     ui.label("Weight");
