@@ -70,9 +70,30 @@ fn pattern(path: &Path) -> Option<PathBuf> {
     (digits > 0).then(|| path.with_file_name(format!("{before}{}.{ending}", "#".repeat(digits))))
 }
 
+/// Returns the sequence that a picture belongs to, and how many pictures it has; `None` if no other picture of its folder differs from
+/// it in the number alone.
+pub(in crate::edit) fn sequence_around(picture: &Path) -> Option<(PathBuf, usize)> {
+    let sequence = pattern(picture)?;
+    let folder = picture.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names = std::fs::read_dir(folder).ok()?.flatten().map(|entry| picture.with_file_name(entry.file_name()));
+    let count = names.filter(|name| pattern(name).as_ref() == Some(&sequence)).count();
+    (count > 1).then_some((sequence, count))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_belongs_to_the_sequence_of_its_neighbours() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["a.01.png", "a.02.png", "a.003.png", "b.01.png", "c.png"] {
+            std::fs::write(folder.path().join(name), "").expect("written");
+        }
+        let around = |name: &str| sequence_around(&folder.path().join(name));
+        assert_eq!(around("a.02.png"), Some((folder.path().join("a.##.png"), 2)));
+        assert_eq!(["a.003.png", "b.01.png", "c.png", "a.##.png"].map(around), [const { None }; 4]);
+    }
 
     fn of(names: &[&str]) -> [Vec<String>; 3] {
         let found = Dropped::of(names.iter().map(PathBuf::from));

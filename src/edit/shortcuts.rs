@@ -103,6 +103,7 @@ actions! {
     Paste "paste" "Edit" "Paste keys" "Ctrl+V",
     Delete "delete" "Edit" "Delete keys or pins" "Delete",
     Mute "mute" "Edit" "Mute pins" "M",
+    Hard "hard" "Edit" "Hard or soft pins" "E",
     All "all" "Edit" "Choose all pins" "Ctrl+A",
     Play "play" "Time" "Play or stop" "Space",
     Back "back" "Time" "Frame back" "Comma",
@@ -132,6 +133,7 @@ actions! {
     Wipe "wipe" "View" "Wipe before and after" "W",
     Ghost "ghost" "View" "Ghost of the rest" "Shift+W",
     Painted "painted" "View" "Painted stiffness" "Shift+S",
+    Pan "pan" "Hold" "Drag the picture; a tap plays" "Space",
     Hide "hide" "Hold" "Hide everything over the picture" "H",
     Before "before" "Hold" "Show the frame without the warp" "B",
     Region "region" "Hold" "Drag a pin's region, or the brush's radius" "R",
@@ -149,6 +151,11 @@ actions! {
 }
 
 impl Action {
+    /// Returns whether two actions may have one key: that which pans while it is held plays when it is tapped.
+    const fn shares_key_with(self, other: Self) -> bool {
+        matches!((self, other), (Self::Play, Self::Pan) | (Self::Pan, Self::Play))
+    }
+
     /// Returns what it moves the selection by, in pixels to the right and up; `None` for other actions.
     #[must_use]
     pub(crate) const fn nudge(self) -> Option<[f64; 2]> {
@@ -213,10 +220,11 @@ impl Shortcuts {
         }
     }
 
-    /// Returns a message if two actions share a chord.
+    /// Returns a message if two actions share a chord that may not.
     fn clash(&self) -> Option<String> {
         self.0.iter().enumerate().find_map(|(place, (action, chord))| {
-            let (other, _) = self.0.iter().skip(place + 1).find(|(_, other)| *other == chord)?;
+            let mut later = self.0.iter().skip(place + 1);
+            let (other, _) = later.find(|(other, own)| *own == chord && !action.shares_key_with(**other))?;
             Some(format!("{chord} stands for both '{}' and '{}'", action.id(), other.id()))
         })
     }
@@ -306,5 +314,9 @@ mod tests {
         let error = own.rebind(Action::Hide, chord("Ctrl+J"), &path).expect_err("two keys");
         assert!(error.to_string().contains("held keys"), "{error}");
         assert_eq!(own, before);
+        // The key that pans may play, too, but not what is neither.
+        own.rebind(Action::Pan, chord("V"), &path).expect("free");
+        own.rebind(Action::Play, chord("V"), &path).expect("shared");
+        own.rebind(Action::Mute, chord("V"), &path).expect_err("taken");
     }
 }

@@ -75,7 +75,7 @@ pub(crate) use preview::write_frame_preview;
 pub use preview::{Preview, png_bytes, preview, write_png};
 pub(crate) use sequence::{SequencePath, without_counter};
 pub use size::picture_size;
-pub(crate) use size::{PictureExtent, picture_extent, sequence_size};
+pub(crate) use size::{PictureExtent, picture_extent, plate_size, sequence_size};
 
 use crate::space::PixelRect;
 

@@ -1,8 +1,24 @@
 //! What a person does in a window: keys, clicks, drags, numbers and texts, each by the label of what it is meant for.
 
 use super::window::{Window, pointer};
-use eframe::egui::{Event, Key, Modifiers, Pos2, Role};
+use eframe::egui::{DroppedFile, Event, Key, Modifiers, Pos2, Role};
 use egui_kittest::kittest::{Queryable, by};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A file as the window system hands it over.
+#[derive(Debug)]
+pub(crate) struct Handed(pub(crate) PathBuf);
+
+impl DroppedFile for Handed {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
 
 /// Presses a key with modifiers, and lets go of it.
 pub(crate) fn press(window: &mut Window, modifiers: Modifiers, key: Key) {

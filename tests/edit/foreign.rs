@@ -12,6 +12,7 @@ use pinwarp::shot::Shot;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
+use std::time::{Duration, SystemTime};
 
 fn opened(path: &Path) -> Session {
     let document = open(path, FileAccess::SceneFolder).expect("it opens");
@@ -93,6 +94,30 @@ fn files_outside_the_folder_of_a_scene_are_read_if_they_are_allowed() {
     let mut session = Session::new(document, DeviceChoice::Cpu, || ());
     assert!(session.settle(TIMEOUT), "{:?}", session.fault());
     assert!(session.document().shot().allow_outside);
+}
+
+#[test]
+fn files_beside_a_scene_are_watched_where_a_broken_edit_is_saved_elsewhere() {
+    let stage = Stage::new();
+    let root = stage.folder.path();
+    let scene = fs::read_to_string(root.join("cards.gltf")).expect("there");
+    let mut json: Value = serde_json::from_str(&scene).expect("JSON");
+    let uri = std::mem::replace(&mut json["buffers"][0]["uri"], "cards.bin".into());
+    let data = uri.as_str().and_then(|uri| uri.split_once(',')).expect("a data URI").1;
+    fs::write(root.join("cards.bin"), STANDARD.decode(data).expect("base64")).expect("written");
+    fs::write(root.join("cards.gltf"), json.to_string()).expect("written");
+    fs::create_dir(root.join("below")).expect("made");
+    let mut session = stage.session();
+    session.set_nodes(vec!["Nobody".into()]);
+    until(&mut session, "the edit cannot be drawn", |session| session.fault().is_some());
+    session.save_as(&root.join("below/shot.toml")).expect("writable");
+    until(&mut session, "it cannot be drawn there, either", |session| session.fault().is_some());
+    let later = SystemTime::now() + Duration::from_secs(10);
+    let file = fs::File::options().write(true).open(root.join("cards.bin")).expect("there");
+    file.set_modified(later).expect("dated");
+    until(&mut session, "it is read again", |session| {
+        session.message().is_some_and(|told| told.contains("The scene changed on disk"))
+    });
 }
 
 #[test]

@@ -3,8 +3,10 @@
 use super::acts::{choose, click, number, press};
 use super::seen::{beside_cards, pictures, says};
 use super::stage::{PINS, Stage};
-use super::window::{Window, changes, opened_with, session, settled};
+use super::window::{Window, changes, opened_with, session, settled, until};
 use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use pinwarp::edit::Figure;
 
 /// The third frame of the shot with pins, in which the left layer is pulled.
 fn pulled() -> (Stage, Window) {
@@ -144,4 +146,56 @@ fn smoothness_and_the_weight_over_time_change_the_solve() {
         assert!(!known.contains(&new), "{label}");
         known.push(new);
     }
+}
+
+#[test]
+fn a_layer_is_moved_into_the_scene_and_its_box_fixed() {
+    let (_stage, mut window) = pulled();
+    let before = text(&window);
+    // One frame is solved in no time, all of them are not.
+    number(&mut window, "Over time", 0.0);
+    choose(&mut window, "Space", "scene");
+    assert!(text(&window).contains("space = \"world\""), "{}", text(&window));
+    for label in ["Columns", "Rows", "Layers of handles"] {
+        number(&mut window, label, 4.0);
+    }
+    settled(&mut window);
+    assert_eq!(session(&window).marks()[0].handles.len(), 64);
+    assert!(pull(&mut window) > 20, "its pins still pull");
+    choose(&mut window, "Box", "fixed");
+    settled(&mut window);
+    number(&mut window, "Box z to", 3.0);
+    settled(&mut window);
+    choose(&mut window, "Space", "screen");
+    settled(&mut window);
+    assert!(says(&window, "Not kept: the fixed box"), "{:?}", session(&window).message());
+    assert_eq!(session(&window).marks()[0].handles.len(), 100);
+    for _ in 0..changes(&window).len() {
+        undo(&mut window);
+    }
+    assert_eq!(text(&window), before);
+}
+
+#[test]
+fn the_worst_frame_is_found_in_the_whole_range_and_marked_in_the_timeline() {
+    // Pin a is pulled in frame 3, pin b in frame 3, too: the frames around it are drawn later than the first.
+    let (_stage, mut window) =
+        opened_with(&PINS.replace("frame = 3, offset = [0.1, 0.0]", "frame = 5, offset = [0.3, 0.2]"));
+    until(&mut window, "all frames are known", |window| session(window).reported() == [6, 6]);
+    assert!(!says(&window, "frames so far"));
+    click(&mut window, &["Worst frame by Distortion"]);
+    let (worst, _) = session(&window).worst(Figure::Distortion).expect("it is known");
+    assert_eq!(session(&window).playhead.frame(), worst);
+    assert!((4..=6).contains(&worst), "{worst}");
+    assert!(window.query_by_label_contains("Distortion: frame").is_some_and(|node| node.rect().width() > 1.0));
+    // In another range another frame is the worst.
+    click(&mut window, &["First frame", "Frame forward"]);
+    press(&mut window, Modifiers::NONE, Key::O);
+    assert_eq!(session(&window).reported(), [2, 2]);
+    let (worst, _) = session(&window).worst(Figure::Distortion).expect("it is known");
+    assert!(worst <= 2, "{worst}");
+    press(&mut window, Modifiers::SHIFT, Key::O);
+    window.get_by_label_contains("Distortion: frame").click_accesskit();
+    window.run_steps(3);
+    assert!(session(&window).playhead.frame() > 2, "the mark is a way there");
 }

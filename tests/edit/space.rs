@@ -1,7 +1,7 @@
 //! Lattices in the scene: their handles and pins in metres follow the pen; their dims change without losing the edit.
 
 use super::stage::{REACH, SHOT, Stage, TIMEOUT, at, drag};
-use pinwarp::edit::{Channel, EasePreset, Held, Ring, Session};
+use pinwarp::edit::{Channel, EasePreset, Held, Ring, Session, Space};
 use pinwarp::shot::{Goal, Rotation};
 use std::fs;
 
@@ -191,4 +191,86 @@ fn a_lattice_in_the_scene_shows_its_distortion_and_where_it_folds() {
     let marks = &session.marks()[0];
     assert!(stretches(&session).iter().any(|stretch| *stretch > 1.5), "{:?}", stretches(&session));
     assert!(!marks.folded.is_empty() && marks.folded.iter().all(|face| face.len() == 16), "{:?}", marks.folded);
+}
+
+#[test]
+fn a_layer_that_moves_into_the_scene_and_back_keeps_its_pins_as_they_are_seen() {
+    let pins = "coarse on purpose
+solve = { temporal = 0.0 }
+
+[[layer.pin]]
+name = \"p\"
+anchor = { screen = [0.6, 0.5], frame = 1 }
+region = { radius = 0.1, rigidity = 1.0 }
+keys = [{ frame = 1, offset = [0.05, 0.1], rotate = 15 }]
+
+[[layer.pin]]
+name = \"b\"
+unit = \"box\"
+anchor = { screen = [0.75, 0.45], frame = 1 }
+region = { radius = 0.1, rigidity = 1.0 }
+keys = [{ frame = 1, offset = [0.1, 0.05] }]
+";
+    let stage = Stage::with(pins);
+    // A frame height is two metres.
+    let scene = stage.folder.path().join("cards.gltf");
+    let far = fs::read_to_string(&scene).expect("there").replace("mag\":0.5", "mag\":1.0");
+    fs::write(&scene, far).expect("written");
+    let mut session = stage.session();
+    let targets = |session: &Session| session.marks()[0].pins.iter().map(|pin| pin.target.0).collect::<Vec<_>>();
+    let seen = targets(&session);
+    let diagonal = session.marks()[0].rest_box.expect("on the screen").upright.size().length();
+    session.set_space(Space::Scene);
+    assert!(!session.message().unwrap_or_default().contains("Not kept"), "{:?}", session.message());
+    session.set_dims(&[4, 4, 4]);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let are_seen_alike = |session: &Session| {
+        let now = targets(session);
+        now.len() == 2 && now.iter().zip(&seen).all(|(now, was)| (*now - *was).length() < 1e-3)
+    };
+    assert!(are_seen_alike(&session), "{:?} was {seen:?}", targets(&session));
+    let radii = |session: &Session| {
+        let pins = &session.document().shot().layers[0].pins;
+        pins.iter().map(|pin| pin.region.expect("a region").radius).collect::<Vec<_>>()
+    };
+    let metres = session.marks()[0].pins[0].metres_per_height.expect("on the model");
+    assert!(metres > 1.5 && (radii(&session)[0] - 0.1 * metres).abs() < 2e-3, "{:?} of {metres}", radii(&session));
+    assert!((radii(&session)[1] - 0.1 * diagonal * metres).abs() < 2e-3, "{:?}", radii(&session));
+    // Offsets in metres come back as they are seen.
+    let by = glam::DVec2::new(0.06, 0.1);
+    let text = session.document().text().replace("offset = [0.05, 0.1]", "offset = [0.05, 0.1, 0.0]");
+    fs::write(stage.shot(), text.replace(", rotate = 15", "")).expect("written");
+    let mut session = stage.session();
+    let from = session.marks()[0].pins[0].target.0;
+    drag(&mut session, from.to_array(), (from + by).to_array());
+    let seen = targets(&session);
+    session.set_space(Space::Screen);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    let now = targets(&session);
+    assert!(now.iter().zip(&seen).all(|(now, was)| (*now - *was).length() < 1e-3), "{now:?} was {seen:?}");
+    assert!((radii(&session)[0] - 0.1).abs() < 2e-3, "{:?}", radii(&session));
+    assert_eq!(session.document().shot().layers[0].space.dims(), [10, 10, 1]);
+}
+
+#[test]
+fn a_box_in_the_scene_is_fixed_where_it_is() {
+    let stage = Stage::new();
+    let mut session = in_scene(&stage, "");
+    let handles = |session: &Session| session.marks()[0].handles.clone();
+    let (before, untouched) = (handles(&session), session.document().text().to_owned());
+    session.fix_box();
+    assert!(session.settle(TIMEOUT), "{:?} {:?}", session.fault(), session.message());
+    assert!(session.document().text().contains("box = { fixed = ["), "{}", session.document().text());
+    let far = |(a, b): (&Option<_>, &Option<_>)| -> f64 {
+        let [a, b]: [pinwarp::space::ScreenPoint; 2] = [a, b].map(|place| place.expect("seen"));
+        (a - b).0.length()
+    };
+    let now = handles(&session);
+    assert!(before.iter().zip(&now).map(far).fold(0.0, f64::max) < 1e-3, "{before:?} {now:?}");
+    // It stands still though the card moves.
+    session.go(6);
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    assert!(now.iter().zip(&handles(&session)).map(far).fold(0.0, f64::max) < 1e-9);
+    session.undo();
+    assert_eq!(session.document().text(), untouched);
 }

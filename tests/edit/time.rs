@@ -2,11 +2,12 @@
 
 use super::acts::{choose, click, drag, press};
 use super::seen::fills;
-use super::stage::{PINS, Stage};
+use super::stage::{PINS, Stage, until as until_known};
 use super::window::{Window, changes, opened_with, place, session, settled, until};
 use eframe::egui::{Color32, Key, Modifiers, Rect, ViewportId};
 use egui_kittest::kittest::Queryable;
-use pinwarp::edit::{Channel, RunState};
+use pinwarp::edit::{Channel, Document, Figure, RunState, Session};
+use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Ease;
 use std::time::Duration;
 
@@ -161,4 +162,18 @@ fn without_auto_key_a_drag_shifts_all_keys_and_eases_are_chosen_from_the_list() 
     choose(&mut window, "Ease", "Hold");
     assert_eq!(keys(&window)[2].ease, Ease::Hold);
     assert!(window.query_by_label("Key of a, frame 3, Hold").is_some());
+}
+
+#[test]
+fn frames_that_were_drawn_before_the_solve_over_time_are_reported_after_it() {
+    let stage = Stage::with(PINS);
+    let mut session = Session::new(Document::open(&stage.shot()).expect("a shot"), DeviceChoice::Cpu, || ());
+    // Playback draws each frame for itself, before anything is solved over time.
+    session.toggle_play(0.0);
+    until_known(&mut session, "all frames are drawn", |session| {
+        (1..=6).all(|frame| session.picture_of(frame).is_some())
+    });
+    session.toggle_play(0.0);
+    until_known(&mut session, "all frames are reported", |session| session.reported() == [6, 6]);
+    assert!(session.worst(Figure::PinError).is_some());
 }

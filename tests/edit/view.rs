@@ -196,8 +196,8 @@ fn the_picture_is_seen_one_to_one_fitted_zoomed_and_panned() {
     let at = place(&window, 0.4, 0.3);
     pointer(&mut window, at, None);
     window.event(Event::MouseWheel {
-        unit: MouseWheelUnit::Point,
-        delta: egui::vec2(0.0, 120.0),
+        unit: MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 3.0),
         phase: TouchPhase::Move,
         source: MouseWheelSource::Unknown,
         modifiers: Modifiers::NONE,

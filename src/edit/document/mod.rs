@@ -165,6 +165,13 @@ impl Document {
         Ok(())
     }
 
+    /// Reads what the shot takes from its files again, such as the size of its plates.
+    pub(crate) fn read_files_again(&mut self) {
+        if let Ok(shot) = self.parsed(&self.text, &self.path) {
+            self.shot = shot;
+        }
+    }
+
     /// Ends the series: the next change is undone separately.
     pub(crate) fn end_series(&mut self) {
         self.history.end_series();

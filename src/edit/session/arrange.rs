@@ -10,7 +10,6 @@ use crate::shot::edit::{
     Setting, add_layer, layer_number, move_layer, put_box, put_handle, put_layer_setting, remove_layer, rename_layer,
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
-use crate::space::ScreenBox;
 
 /// The part of a plate that a layer moves, as offered by the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -134,27 +133,17 @@ impl Session {
         self.change("Resize lattice", text, series.as_deref());
     }
 
-    /// Fixes the box of the selected layer's lattice on the screen where it is in this frame.
-    pub(crate) fn fix_box(&mut self) {
-        let is_current = self
-            .current_solve
-            .as_ref()
-            .is_some_and(|solve| (solve.frame, solve.revision) == (self.playhead.frame(), self.revision));
-        let marks = self.marks_of(self.selection.layer).filter(|_| is_current);
-        match marks.and_then(|marks| marks.rest_box) {
-            None if !is_current => self.say("The frame is still being solved: fix the box once it is shown."),
-            Some(found) => {
-                let ScreenBox { min, max } = found.upright;
-                self.set_box(&[min.0.x, min.0.y, max.0.x, max.0.y].map(|value| (value * 1e4).round() / 1e4));
-            }
-            None => self.say("The box is not known in this frame: go to one in which the layer is seen."),
-        }
-    }
-
     /// Fixes the box of the selected layer's lattice at these corners, as in the file.
     pub(crate) fn set_box(&mut self, corners: &[f64]) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
-        let text = put_box(self.document.text(), &layer.name, corners);
+        // A fixed box in the scene has the scene's axes.
+        let upright = match layer.space {
+            LayerSpace::Screen { .. } => Ok(self.document.text().to_owned()),
+            LayerSpace::World { .. } => {
+                put_layer_setting(self.document.text(), &layer.name, &["lattice", "frame"], &Setting::Default)
+            }
+        };
+        let text = upright.and_then(|text| put_box(&text, &layer.name, corners));
         let series = format!("box of {}", layer.name);
         self.change("Change box", text, Some(&series));
     }

@@ -215,6 +215,15 @@ impl Session {
         }
     }
 
+    /// Begins an export that nothing carries out. It ends once what is returned is called.
+    #[cfg(test)]
+    pub(crate) fn pretend_export(&mut self, format: &'static ExportFormat) -> impl FnOnce() + use<> {
+        let (sender, messages) = channel();
+        let (order, program) = (ExportOrder::of(format), Arc::new(Program::default()));
+        self.export.running = Some(Running { order, messages, program, thread: None });
+        move || _ = sender.send(ExportMessage::End(ExportEnd { words: "Exported.".into(), is_clash: false }))
+    }
+
     /// Ends the running export, which leaves no unfinished file.
     pub(crate) fn cancel_export(&self) {
         self.export.running.iter().for_each(|running| running.program.end());

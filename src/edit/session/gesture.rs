@@ -1,7 +1,7 @@
 //! The pointer gesture in progress.
 
 use crate::edit::AxisRing;
-use crate::shot::{BrushStroke, Shot};
+use crate::shot::{BrushStroke, Layer, Shot};
 use crate::space::ScreenPoint;
 use std::sync::Arc;
 
@@ -69,9 +69,36 @@ pub(super) enum Gesture {
 }
 
 impl Gesture {
+    /// Goes on with a changed document; ends if that has other layers or pins, as an index may mean another one then.
+    pub(super) fn follow(&mut self, shot: &Shot) {
+        let base = match self {
+            Self::Idle | Self::Placing { .. } | Self::Box { .. } | Self::BrushSize { .. } | Self::Wipe => return,
+            Self::Drag { base, .. }
+            | Self::Turn { base, .. }
+            | Self::TurnAbout { base, .. }
+            | Self::Region { base, .. }
+            | Self::Stiffness { base, .. } => base,
+            Self::Paint(painting) => &mut painting.base,
+        };
+        if has_same_pins(base, shot) {
+            *base = Arc::new(shot.clone());
+        } else {
+            *self = Self::Idle;
+        }
+    }
+
     pub(super) const fn is_idle(&self) -> bool {
         matches!(self, Self::Idle)
     }
+}
+
+/// Returns whether two shots have the same layers and pins, in order, under whatever names.
+fn has_same_pins(a: &Shot, b: &Shot) -> bool {
+    let is_same = |a: &Layer, b: &Layer| {
+        let anchors = |layer: &Layer| layer.pins.iter().map(|pin| pin.anchor.clone()).collect::<Vec<_>>();
+        a.space.dims() == b.space.dims() && anchors(a) == anchors(b)
+    };
+    a.layers.len() == b.layers.len() && a.layers.iter().zip(&b.layers).all(|(a, b)| is_same(a, b))
 }
 
 /// A line that the brush paints, in one stroke or several: a new one begins where it leaves the surface or jumps.

@@ -64,15 +64,17 @@ impl Session {
         near.map(|(handle, _)| handle)
     }
 
-    /// Returns the visible handles whose places satisfy a condition, without those of lattices whose dims follow their pins.
-    pub(super) fn handles_where(&self, holds: impl Fn(ScreenPoint) -> bool) -> Vec<(usize, [usize; 3])> {
-        if !self.shown.shows_handles() {
-            return Vec::new();
-        }
+    /// Returns the visible handles with their places, without those of lattices whose dims follow their pins.
+    pub(crate) fn movable_handles(&self) -> impl Iterator<Item = ((usize, [usize; 3]), ScreenPoint)> {
         let layers = &self.document.shot().layers;
         let can_move = |marks: &&LayerMarks| layers.get(marks.layer).is_some_and(|layer| !layer.has_auto_dims);
-        let handles = self.marks().iter().filter(can_move).flat_map(|marks| self.handles_in_view(marks));
-        handles.filter(|(_, place)| holds(*place)).map(|(handle, _)| handle).collect()
+        let marks = self.marks().iter().filter(|_| self.shown.shows_handles());
+        marks.filter(can_move).flat_map(|marks| self.handles_in_view(marks))
+    }
+
+    /// Returns the handles that can be moved whose places satisfy a condition.
+    pub(super) fn handles_where(&self, holds: impl Fn(ScreenPoint) -> bool) -> Vec<(usize, [usize; 3])> {
+        self.movable_handles().filter(|(_, place)| holds(*place)).map(|(handle, _)| handle).collect()
     }
 
     /// Returns the interpolated key of a handle at the current frame: its offset is in sizes of the lattice's box.

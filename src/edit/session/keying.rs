@@ -2,7 +2,7 @@
 //!
 //! In: user commands. Out: one document change each.
 
-use super::{Purpose, Session};
+use super::Session;
 use crate::edit::channel_keys::{rotate_key_at, scale_key_at};
 use crate::edit::track::{handle_key_at, key_at, key_time, pose_at, with_handle_key};
 use crate::edit::track_keys::{KeyEdit, Track, TrackKeys, axes_of, with_key};
@@ -241,15 +241,6 @@ impl Session {
     pub(crate) fn set_exposure(&mut self, step: u32) {
         let setting = if step == 1 { Setting::Default } else { Setting::Whole(i64::from(step)) };
         self.set_layer("Change exposure", &["step"], &setting, None);
-    }
-
-    /// Goes to the frame with the worst value of a figure among those solved.
-    pub(crate) fn go_to_worst(&mut self, figure: impl Fn(&crate::pipeline::FrameReport) -> Option<f64>) {
-        let known = self.solves.values().filter_map(|solve| Some((figure(&solve.report)?, solve.frame)));
-        if let Some((_, frame)) = known.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            self.playhead.go(frame);
-            self.frame_changed(Purpose::Look);
-        }
     }
 }
 

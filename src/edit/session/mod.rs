@@ -7,10 +7,12 @@ mod channels;
 mod clipboard;
 mod curves;
 mod export_run;
+mod figures;
 mod gesture;
 mod handles;
 mod key_steps;
 mod keying;
+mod lattice_space;
 mod painting;
 mod placing;
 mod plates;
@@ -22,8 +24,10 @@ mod rings;
 mod selection;
 mod shot_settings;
 mod shown;
+mod weights;
 
 pub(crate) use arrange::MatteChoice;
+pub(crate) use figures::Figure;
 pub(crate) use key_steps::CurveUnit;
 pub(crate) use key_steps::KeyStep;
 pub(crate) use keying::EasePreset;
@@ -42,6 +46,7 @@ use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
 use super::{DiskChange, Document, EditError};
+use crate::pipeline::FrameReport;
 use crate::raster::DeviceChoice;
 use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
@@ -94,15 +99,21 @@ pub(crate) struct Session {
     current: Option<Arc<Picture>>,
     solves: BTreeMap<i32, Arc<SolvedFrame>>,
     current_solve: Option<Arc<SolvedFrame>>,
+    /// The reports of the frames as rendered, of frames that were not drawn, too.
+    reports: BTreeMap<i32, FrameReport>,
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
+    /// Whether replies are left unread, for a picture of the window that does not depend on when it is taken.
+    is_held: bool,
     /// Whether the shot file was written, possibly by another program.
     is_written: bool,
     /// The text on disk, if another program wrote it where there are unsaved changes: the user has to decide.
     pub(crate) conflict: Option<String>,
     fault: Option<String>,
     message: Option<String>,
+    /// The weights that pins had when they were soft last, by the names of layer and pin.
+    soft: BTreeMap<(String, String), f64>,
     /// Copied keys.
     copied: Vec<clipboard::Copied>,
     run: Option<RenderRun>,
@@ -141,13 +152,16 @@ impl Session {
             current: None,
             solves: BTreeMap::new(),
             current_solve: None,
+            reports: BTreeMap::new(),
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
+            is_held: false,
             is_written: false,
             conflict: None,
             fault: None,
             message: None,
+            soft: BTreeMap::new(),
             copied: Vec::new(),
             run: None,
             export: export_run::ExportRun::default(),
@@ -249,6 +263,9 @@ impl Session {
 
     /// Processes the replies of the worker thread. Returns whether anything changed.
     pub(crate) fn pump(&mut self) -> bool {
+        if self.is_held {
+            return false;
+        }
         let replies: Vec<Reply> = self.worker.replies().collect();
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
@@ -268,6 +285,11 @@ impl Session {
             self.notice_ended_worker();
         }
         self.fault.is_none()
+    }
+
+    /// Leaves everything as it is shown now: later replies are not read.
+    pub(crate) const fn hold(&mut self) {
+        self.is_held = true;
     }
 
     /// Turns the end of the worker thread into a fault.
@@ -293,6 +315,10 @@ impl Session {
         match reply {
             Reply::Loaded(loaded) => self.loaded = loaded,
             Reply::Solved(solved) => self.take_solve(solved),
+            Reply::Reported(revision, frame, report) if revision == self.revision => {
+                self.reports.insert(frame, *report);
+            }
+            Reply::Reported(..) => {}
             Reply::Drawn(picture) => self.take_picture(picture),
             Reply::Before(picture) => self.before = Some(picture),
             Reply::Picked(id, point) => self.picked(id, point),
@@ -322,6 +348,7 @@ impl Session {
             self.current_solve = Some(Arc::clone(&solved));
         }
         if solved.is_final {
+            self.reports.insert(solved.frame, solved.report.clone());
             self.solves.insert(solved.frame, solved);
         }
     }
@@ -359,6 +386,7 @@ impl Session {
         self.revision += 1;
         self.pictures.clear();
         self.solves.clear();
+        self.reports.clear();
         (self.before, self.fault) = (None, None);
     }
 
@@ -383,6 +411,7 @@ impl Session {
     fn document_changed(&mut self) {
         self.dragged = None;
         let shot = self.document.shot();
+        self.gesture.follow(shot);
         self.playhead.follow(&shot.frames);
         self.selection.retain(shot);
         self.forget_missing_layers();
@@ -401,13 +430,13 @@ impl Session {
                 layer.strength *= f64::from(u8::from(is_heard));
             }
         }
-        let next = match purpose {
-            Purpose::Drag(_) | Purpose::Paint => Vec::new(),
-            Purpose::Look | Purpose::Play => self.frames_ahead(),
+        let (next, reports) = match purpose {
+            Purpose::Drag(_) | Purpose::Paint => (Vec::new(), Vec::new()),
+            Purpose::Look | Purpose::Play => (self.frames_ahead(), self.frames_without_report()),
         };
         let with_before = self.wants_before() && purpose == Purpose::Look;
         let (revision, frame) = (self.revision, self.playhead.frame());
-        self.worker.want(Job { shot, revision, frame, purpose, next, with_before, is_shown: false });
+        self.worker.want(Job { shot, revision, frame, purpose, next, reports, with_before, is_shown: false });
     }
 
     /// Returns the frames without a picture, in playback order.
@@ -460,8 +489,12 @@ impl Session {
         }
     }
 
-    /// Undoes the last change.
+    /// Undoes the last change; during a drag, that drag alone.
     pub(crate) fn undo(&mut self) {
+        if self.dragged.is_some() && !self.gesture.is_idle() {
+            self.cancel();
+            return self.say("Undone: the drag");
+        }
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),
             None => self.say("There is nothing to undo."),
@@ -523,6 +556,7 @@ impl Session {
     /// Reloads after the shot file or its scene changed on disk.
     pub(crate) fn reload(&mut self) {
         self.worker.forget();
+        self.document.read_files_again();
         self.document_changed();
     }
 }

@@ -149,15 +149,8 @@ impl Session {
         self.set_with_counterpart(at, "region", |text, at| put_region(text, at, region));
     }
 
-    /// Sets the weight of a pin, and of its counterpart: 1 holds the point exactly, less lets it yield.
-    pub(crate) fn set_weight(&mut self, at: [usize; 2], weight: f64) {
-        let weight = (weight.clamp(0.0, 1.0) * 1e3).round() / 1e3;
-        let setting = if weight == 1.0 { Setting::Default } else { Setting::Number(weight) };
-        self.set_with_counterpart(at, "weight", |text, at| put_pin_setting(text, at, "weight", &setting));
-    }
-
     /// Changes a setting of a pin and, if edits are mirrored, of its counterpart, at once.
-    fn set_with_counterpart(
+    pub(super) fn set_with_counterpart(
         &mut self,
         at: [usize; 2],
         what: &str,

@@ -11,6 +11,11 @@ impl Session {
         self.pictures.retain(|frame, _| !has_changed(*frame));
         self.before = self.before.take().filter(|picture| !has_changed(picture.frame));
         self.say("The plates changed on disk and are drawn again.");
+        let old = self.document.shot().size;
+        self.document.read_files_again();
+        if self.document.shot().size != old {
+            return self.document_changed();
+        }
         // A drag draws its frames again as it ends.
         if self.dragged.is_none() {
             (self.revision, self.fault) = (self.revision + 1, None);
@@ -32,5 +37,21 @@ mod tests {
         session.fault = Some("the plate is missing".into());
         session.plates_changed(&[[3, 3]]);
         assert!(session.fault().is_none() && session.revision > revision && !session.is_idle());
+    }
+
+    #[test]
+    fn the_size_is_that_of_plates_that_appear() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = "plate = 'a.##.png'\nframes = { first = 1, last = 24 }\n[[layer]]\nname = 'all'\n";
+        let document = crate::edit::Document::new(&folder.path().join("shot.toml"), text.to_owned()).expect("a shot");
+        let mut session = Session::new(document, crate::raster::DeviceChoice::Cpu, || ());
+        assert_eq!(session.shot().size, crate::space::FrameSize::new(1920, 1080), "there is none yet");
+        for (frame, width) in [(3, 96), (2, 48)] {
+            let plate = crate::image::Preview::transparent(width, 27);
+            crate::image::write_png(&folder.path().join(format!("a.{frame:02}.png")), &plate).expect("written");
+            session.plates_changed(&[[frame, frame]]);
+            assert_eq!(session.shot().size, crate::space::FrameSize::new(width, 27));
+            assert!(session.message().is_some_and(|told| told.contains("drawn again")));
+        }
     }
 }

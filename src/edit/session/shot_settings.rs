@@ -3,6 +3,7 @@
 //! In: user commands. Out: one document change each.
 
 use super::Session;
+use crate::edit::dropped::sequence_around;
 use crate::files::located;
 use crate::shot::edit::{Setting, put_setting};
 use std::path::Path;
@@ -51,6 +52,18 @@ impl Session {
         self.set_shot(label, &["plate"], &setting, None);
     }
 
+    /// Sets the finished frames from one picture that was chosen: if it is one of a sequence, all of them.
+    pub(crate) fn choose_plate(&mut self, path: &Path) {
+        let Some((sequence, count)) = sequence_around(path) else { return self.set_plate(Some(path)) };
+        self.set_plate(Some(&sequence));
+        if self.document.shot().plate.as_deref().and_then(Path::file_name) == sequence.file_name() {
+            let name = sequence.file_name().unwrap_or_default().to_string_lossy();
+            self.say(format!(
+                "The plate is the sequence of {count} pictures, {name}. For the same picture in all frames, write its name into the shot file."
+            ));
+        }
+    }
+
     /// Selects a clip of the scene, and sets the frame range to its length.
     pub(crate) fn choose_clip(&mut self, name: &str, secs: f64) {
         let frames = &self.document.shot().frames;
@@ -96,6 +109,23 @@ mod tests {
         let mut session = Session::of_text("plate = 'p.exr'\nsize = [9, 9]\nframes = { first = 1, last = 2 }\n");
         session.set_plate(None);
         assert!(session.shot().plate.is_some() && session.message().is_some());
+    }
+
+    #[test]
+    fn one_picture_of_a_sequence_stands_for_all_of_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path().canonicalize().expect("there");
+        for name in ["p.0001.png", "p.0002.png", "q.0001.png"] {
+            std::fs::write(root.join(name), "").expect("written");
+        }
+        let text = "scene = 'a.glb'\nframes = { first = 1, last = 24 }\n";
+        let document = crate::edit::Document::new(&root.join("shot.toml"), text.to_owned()).expect("a shot");
+        let mut session = Session::new(document, crate::raster::DeviceChoice::Cpu, || ());
+        session.choose_plate(&root.join("p.0002.png"));
+        assert_eq!(session.shot().plate, Some(root.join("p.####.png")));
+        assert!(session.message().is_some_and(|told| told.contains("sequence of 2 pictures, p.####.png")));
+        session.choose_plate(&root.join("q.0001.png"));
+        assert_eq!((session.shot().plate.clone(), session.message()), (Some(root.join("q.0001.png")), None));
     }
 
     #[test]

@@ -88,7 +88,7 @@ impl Shown {
     }
 
     /// Whether pins are seen.
-    pub(super) const fn shows_pins(&self) -> bool {
+    pub(crate) const fn shows_pins(&self) -> bool {
         self.pins && !self.is_hidden
     }
 

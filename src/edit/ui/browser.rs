@@ -83,9 +83,11 @@ impl Browser {
         let (title, verb, kinds) = match self.purpose {
             Purpose::Open => ("Open", "Open", EVERYTHING),
             Purpose::SaveAs => ("Save as", "Save", "Shots (.toml)"),
-            Purpose::Plate => {
-                ("Plate", "Use", "Finished frames: beauty.####.exr (.png, .jpg), or one picture for all frames")
-            }
+            Purpose::Plate => (
+                "Plate",
+                "Use",
+                "Finished frames: beauty.####.exr (.png, .jpg), all of them by any one, or one picture for all frames",
+            ),
             Purpose::Reference => {
                 ("Reference picture", "Lay over", "Pictures (.png, .jpg, .exr), sequences: draw.####.png")
             }

@@ -3,6 +3,7 @@
 use super::browser::{Browser, Choice, Purpose};
 use super::kept_view::KeptView;
 use super::options::EditorOptions;
+use super::pan::Pan;
 use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
@@ -47,6 +48,7 @@ pub(crate) struct Editor {
     pub(super) browser: Option<Browser>,
     pub(super) timeline: Timeline,
     textures: Textures,
+    pan: Pan,
     pub(super) shows_keys: bool,
     /// The action that is waiting for its new key.
     pub(super) rebound: Option<Action>,
@@ -87,6 +89,7 @@ impl Editor {
             browser: None,
             timeline: Timeline::default(),
             textures: Textures::default(),
+            pan: Pan::default(),
             shows_keys: false,
             rebound: None,
             were_keys_taken: false,
@@ -105,7 +108,7 @@ impl Editor {
     }
 
     /// Returns the open session mutably.
-    pub(super) const fn session_mut(&mut self) -> Option<&mut Session> {
+    pub(crate) const fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }
 
@@ -173,6 +176,10 @@ impl Editor {
             // Each drag of a number is undone separately.
             session.document_mut().end_series();
         }
+        let is_free = self.session.as_ref().is_some_and(|session| !session.is_dragging());
+        if self.rebound.is_none() && self.pan.is_tapped(&ctx, &self.shortcuts, is_free) {
+            self.act(&ctx, Action::Play, now);
+        }
         let pressed = if self.rebound.is_none() { keys::pressed(&ctx, &self.shortcuts) } else { Vec::new() };
         for action in pressed {
             self.act(&ctx, action, now);
@@ -188,7 +195,8 @@ impl Editor {
                 let (sizes, is_resized) = panels::show(ui, session, (&mut self.timeline, now), kept);
                 self.view.see_panels(sizes, is_resized);
                 let central = CentralPanel::no_frame().frame(Frame::NONE);
-                central.show(ui, |ui| viewport::show(ui, session, &self.shortcuts, &mut self.textures));
+                central
+                    .show(ui, |ui| viewport::show(ui, session, &self.shortcuts, (&mut self.textures, &mut self.pan)));
             }
         }
         // A key that is being bound triggers nothing.
@@ -316,7 +324,7 @@ impl Editor {
         match (purpose, &mut self.session) {
             (Purpose::Open, _) => self.try_open(ctx, Dropped::of([path.to_owned()])),
             (Purpose::SaveAs, _) => self.try_save_as(path),
-            (Purpose::Plate, Some(session)) => session.set_plate(Some(path)),
+            (Purpose::Plate, Some(session)) => session.choose_plate(path),
             (Purpose::Reference, Some(session)) => {
                 if let Err(error) = session.add_reference(path) {
                     session.say(error.to_string());

@@ -6,11 +6,10 @@ use super::name_field::NameField;
 use super::number_field::NumberField;
 use super::theme::heat;
 use super::turn_fields;
-use crate::edit::Session;
-use crate::pipeline::{FrameReport, LayerReport};
+use crate::edit::{Figure, Session};
 use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion};
 use crate::space::{ScreenPoint, ScreenVector};
-use eframe::egui::{self, Color32, Grid, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Checkbox, Color32, Grid, RichText, ScrollArea, Ui};
 
 /// The field of a pin's name.
 const NAME: NameField = NameField { name: "Pin name", hint: "Pin name", width: f32::INFINITY };
@@ -32,6 +31,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
                     0 => "None is chosen. Click the model to place one; drag empty space to choose several.".to_owned(),
                     count => format!("{count} pins are chosen: drag one of them, nudge them with the arrow keys."),
                 });
+                hard(ui, session);
             }
         }
         handle_panel::show(ui, session);
@@ -77,6 +77,9 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
 
 /// Edits the pin's weight, from soft to hard.
 fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
+    ui.label("Firmness");
+    hard(ui, session);
+    ui.end_row();
     ui.label("Weight");
     let mut weight = old;
     let hint = "1 holds the point exactly; less gives way to the shape and to other pins";
@@ -85,6 +88,20 @@ fn weight(ui: &mut Ui, session: &mut Session, at: [usize; 2], old: f64) {
         session.set_weight(at, weight);
     }
     ui.end_row();
+}
+
+/// Makes the selected pins hard or soft.
+fn hard(ui: &mut Ui, session: &mut Session) {
+    if session.selection.pins.is_empty() {
+        return;
+    }
+    let are_hard = session.are_hard();
+    let mut is_hard = are_hard.unwrap_or(false);
+    let hint = "On: the point is held exactly. Off: it gives way to the shape and to other pins, with the weight that it had last";
+    let checkbox = Checkbox::new(&mut is_hard, "Hard").indeterminate(are_hard.is_none());
+    if ui.add(checkbox).on_hover_text(hint).changed() {
+        session.set_hard(is_hard);
+    }
 }
 
 /// Edits a position in pixels, or in per cent of the lattice's box.
@@ -190,17 +207,6 @@ fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<
     }
 }
 
-/// Extracts a figure from a layer's report.
-type Figure = fn(&LayerReport) -> Option<f64>;
-
-/// The rows of the report table: name, figure, 1 if higher is worse or -1 if lower is, and the warning threshold.
-const FIGURES: [(&str, Figure, f64, f64); 4] = [
-    ("Pin error, px", |layer| Some(layer.pin_error_px), 1.0, 0.05),
-    ("Least det J", |layer| Some(layer.solve.min_cell_det), -1.0, -0.1),
-    ("Distortion", |layer| Some(layer.solve.angular), 1.0, 1.0),
-    ("Jerk, px", |layer| Some(layer.jerk?.warp_px), 1.0, 40.0),
-];
-
 fn report(ui: &mut Ui, session: &mut Session) {
     ui.horizontal(|ui| {
         ui.strong("Report");
@@ -214,23 +220,29 @@ fn report(ui: &mut Ui, session: &mut Session) {
         ui.weak("No layer is warped.");
     }
     let mut wanted = None;
+    let [known, all] = session.reported();
+    let hint = match known < all {
+        true => format!("Go to the worst frame of those that are known: {known} of {all} frames so far"),
+        false => "Go to the worst frame of those that are played".to_owned(),
+    };
     Grid::new("report").num_columns(3).spacing([10.0, 4.0]).show(ui, |ui| {
-        for (index, (name, figure, sign, limit)) in FIGURES.into_iter().enumerate() {
-            let worst = worst(&solve.report, figure, sign);
-            let Some(worst) = worst else { continue };
-            ui.label(name);
-            let is_bad = sign * worst > limit;
-            let color = if is_bad { heat(3.0) } else { ui.visuals().text_color() };
-            ui.label(RichText::new(format!("{worst:.3}")).color(color).monospace());
-            let button = ui.small_button("worst").on_hover_text("Go to the worst frame of those that are drawn");
-            if button.accessible_name(format!("Worst frame by {name}")).clicked() {
-                wanted = Some(index);
+        for figure in Figure::ALL {
+            let Some(here) = figure.of(&solve.report) else { continue };
+            ui.label(figure.name());
+            let color = if figure.is_bad(here) { heat(3.0) } else { ui.visuals().text_color() };
+            ui.label(RichText::new(format!("{here:.3}")).color(color).monospace());
+            let button = ui.small_button("worst").on_hover_text(&hint);
+            if button.accessible_name(format!("Worst frame by {}", figure.name())).clicked() {
+                wanted = Some(figure);
             }
             ui.end_row();
         }
     });
-    if let Some((_, figure, sign, _)) = wanted.map(|index| FIGURES[index]) {
-        session.go_to_worst(|report| worst(report, figure, sign).map(|worst| sign * worst));
+    if known < all && solve.is_final {
+        ui.weak(format!("Worst of {known} of {all} frames so far"));
+    }
+    if let Some(figure) = wanted {
+        session.go_to_worst(figure);
     }
     for text in &solve.report.warnings {
         ui.add_space(4.0);
@@ -240,12 +252,6 @@ fn report(ui: &mut Ui, session: &mut Session) {
 
 fn warning(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_rgb(255, 190, 110) } else { Color32::from_rgb(150, 76, 0) }
-}
-
-/// Returns the worst value over all layers.
-fn worst(report: &FrameReport, figure: Figure, sign: f64) -> Option<f64> {
-    let known = report.layers.iter().filter_map(figure).filter(|value| value.is_finite());
-    known.max_by(|a, b| (sign * a).total_cmp(&(sign * b)))
 }
 
 /// Discards a response, so that a block may end with a widget.

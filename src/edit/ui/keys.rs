@@ -78,6 +78,38 @@ fn taken(input: &mut InputState, shortcuts: &Shortcuts, mut actions: Vec<Action>
     found
 }
 
+/// A press or a release of the key that both plays and pans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Tap {
+    Down,
+    Up,
+}
+
+/// Takes the presses of the key that both plays and pans out of the input, and returns them with its releases, in order; none if
+/// two keys do so, and while keys are taken or the key presses a button.
+pub(super) fn taps(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Tap> {
+    let chord = shortcuts.of(Action::Pan).filter(|chord| shortcuts.of(Action::Play) == Some(chord));
+    let Some((chord, own)) = chord.and_then(|chord| Some((chord, key(chord)?))) else { return Vec::new() };
+    if are_taken(ctx) || presses_button(ctx, chord) {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    ctx.input_mut(|input| {
+        input.events.retain(|event| match event {
+            egui::Event::Key { key, pressed: true, repeat, modifiers, .. } if *key == own && !modifiers.command => {
+                found.extend((!repeat).then_some(Tap::Down));
+                false
+            }
+            egui::Event::Key { key, pressed: false, .. } if *key == own => {
+                found.push(Tap::Up);
+                true
+            }
+            _ => true,
+        });
+    });
+    found
+}
+
 /// Returns the actions whose keys were pressed, except arrow keys; none while keys are taken.
 pub(super) fn pressed(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Action> {
     if are_taken(ctx) {

@@ -2,7 +2,7 @@
 
 use super::accessible::Accessible;
 use super::number_field::{NumberField, whole};
-use crate::edit::Session;
+use crate::edit::{Session, Space};
 use crate::lattice::Basis;
 use crate::shot::edit::Setting;
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
@@ -11,6 +11,11 @@ use eframe::egui::{ComboBox, Popup, ScrollArea, Ui};
 
 /// Shows the rows of the grid of settings.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
+    if session.shot().scene().is_some() {
+        ui.label("Space");
+        space(ui, session, Space::of(layer.space));
+        ui.end_row();
+    }
     ui.label("Lattice");
     ui.horizontal(|ui| dims(ui, session, layer));
     ui.end_row();
@@ -26,6 +31,21 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
         nodes(ui, session, layer);
         ui.end_row();
     }
+}
+
+/// Chooses whether the lattice lies on the screen or in the scene.
+fn space(ui: &mut Ui, session: &mut Session, now: Space) {
+    let list = ComboBox::from_id_salt("space").selected_text(now.name()).width(110.0).show_ui(ui, |ui| {
+        for (other, hint) in [
+            (Space::Screen, "It bends what the camera sees; light and depth stay"),
+            (Space::Scene, "It bends the model itself, with its light and depth, for every camera"),
+        ] {
+            if ui.selectable_label(other == now, other.name()).on_hover_text(hint).clicked() {
+                session.set_space(other);
+            }
+        }
+    });
+    list.response.accessible("Space");
 }
 
 fn dims(ui: &mut Ui, session: &mut Session, layer: &Layer) {
@@ -72,7 +92,7 @@ fn bounds(ui: &mut Ui, session: &mut Session, space: LayerSpace) {
         LayerSpace::Screen { bounds: BoxRule::Follow, .. } => ("follow", &["follow", "frame", "fixed"]),
         LayerSpace::Screen { bounds: BoxRule::Frame, .. } => ("frame", &["follow", "frame", "fixed"]),
         LayerSpace::Screen { bounds: BoxRule::Fixed(_), .. } => ("fixed", &["follow", "frame", "fixed"]),
-        LayerSpace::World { bounds: WorldBoxRule::Follow, .. } => ("follow", &["follow"]),
+        LayerSpace::World { bounds: WorldBoxRule::Follow, .. } => ("follow", &["follow", "fixed"]),
         LayerSpace::World { bounds: WorldBoxRule::Fixed(_), .. } => ("fixed", &["follow", "fixed"]),
     };
     let list = ComboBox::from_id_salt("box").selected_text(now).width(110.0).show_ui(ui, |ui| {

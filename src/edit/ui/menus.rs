@@ -10,7 +10,7 @@ use eframe::egui::{self, Button, Color32, PopupCloseBehavior, ProgressBar, RichT
 
 /// The default hint: the basic operations in one line.
 const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
-                    Wheel: zoom.  Middle button: pan.  F1: keys.";
+                    Wheel: zoom.  Middle button or Space: pan.  F1: keys.";
 
 /// Shows the menus; returns the selected actions.
 pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
@@ -48,6 +48,7 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
                 Action::Paste,
                 Action::Delete,
                 Action::Mute,
+                Action::Hard,
                 Action::MirrorPins,
                 Action::All,
                 Action::Key,

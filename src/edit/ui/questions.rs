@@ -31,11 +31,16 @@ impl Editor {
 
     /// Does what leaves the open shot, after a question if something is running.
     fn leave_running(&mut self, ctx: &egui::Context, deferred: Deferred) {
-        if self.is_running() || deferred == Deferred::Quit && !self.background.is_empty() {
+        if self.asks_about_running(&deferred) {
             self.questions.running = Some(deferred);
         } else {
             self.carry_out(ctx, deferred);
         }
+    }
+
+    /// Returns whether something runs that leaving the open shot would end or hide.
+    fn asks_about_running(&self, deferred: &Deferred) -> bool {
+        self.is_running() || *deferred == Deferred::Quit && !self.background.is_empty()
     }
 
     /// Returns whether the open shot is rendered or exported.
@@ -63,6 +68,12 @@ impl Editor {
 
     fn ask_running(&mut self, ctx: &egui::Context) {
         let Some(deferred) = self.questions.running.clone() else { return };
+        if !self.asks_about_running(&deferred) {
+            // It ended by itself meanwhile.
+            self.questions.running = None;
+            self.carry_out(ctx, deferred);
+            return;
+        }
         let is_exporting = self.session.as_ref().is_some_and(Session::is_exporting);
         let (title, words) = match (&deferred, is_exporting) {
             (Deferred::Quit, _) => {

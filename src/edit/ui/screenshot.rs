@@ -39,6 +39,7 @@ pub(crate) fn screenshot(
             let what = session.fault().unwrap_or("the frame took more than ten minutes").to_owned();
             return Err(EditError::Unusable { what, hint: "run `pinwarp check` on the shot".into() });
         }
+        session.hold();
     }
     let picture = draw(&ctx, &mut editor, size);
     Ok(write_png(output, &picture)?)

@@ -1,15 +1,17 @@
 //! The timeline: transport, ruler, and a row of keys for each pin of the selected layer, or their curves.
 
+use super::accessible::{self, Part};
 use super::curves::CurveView;
 use super::frame_scale::{FrameScale, NAMES, playhead};
-use super::theme::ACCENT;
+use super::theme::{ACCENT, heat};
 use super::track_row::{self, Pen, Row};
 use super::transport::transport;
-use crate::edit::{Session, Track};
+use crate::edit::{Figure, Session, Track};
 use eframe::egui::{
-    Align2, Color32, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui,
+    WidgetInfo, pos2, vec2,
 };
+use std::collections::BTreeMap;
 
 /// Height of the ruler.
 const RULER: f32 = 24.0;
@@ -91,6 +93,7 @@ impl Timeline {
             painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 5.0, Stroke::new(1.0, weak));
             painter.text(pos2(x, rect.top()), Align2::CENTER_TOP, frame, FontId::proportional(10.5), weak);
         }
+        mark_worst(ui, session, (&response, &painter), scale);
         self.scrub(&response, session, scale);
         playhead(&painter, rect, session, scale);
         let here = session.playhead.frame();
@@ -187,6 +190,34 @@ impl Timeline {
                 }
             }
         }
+    }
+}
+
+/// Marks the worst frames of the played range, in red those whose figures deserve a look. Screen readers find each by the figure, and
+/// go to it.
+fn mark_worst(ui: &Ui, session: &mut Session, (ruler, painter): (&Response, &Painter), scale: FrameScale) {
+    let mut marks: BTreeMap<i32, (bool, Vec<&str>)> = BTreeMap::new();
+    for figure in Figure::ALL {
+        let Some((frame, value)) = session.worst(figure) else { continue };
+        let (is_bad, names) = marks.entry(frame).or_default();
+        *is_bad |= figure.is_bad(value);
+        names.push(figure.name());
+    }
+    let tip = |frame: i32| pos2(scale.x(f64::from(frame)), ruler.rect.bottom() - 9.0);
+    for (&frame, (is_bad, _)) in &marks {
+        let corners = [vec2(0.0, 0.0), vec2(-4.0, -6.0), vec2(4.0, -6.0)].map(|arm| tip(frame) + arm);
+        let color = if *is_bad { heat(3.0) } else { ui.visuals().weak_text_color() };
+        painter.add(Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE));
+    }
+    let parts = marks.iter().map(|(&frame, (_, names))| Part {
+        id: ruler.id.with(("worst", frame)),
+        rect: Rect::from_center_size(tip(frame) - vec2(0.0, 3.0), vec2(8.0, 6.0)),
+        label: format!("Worst by {}: frame {frame}", names.join(" and ")),
+        is_chosen: frame == session.playhead.frame(),
+    });
+    let chosen = accessible::parts(ui, ruler, parts);
+    if let Some(&frame) = chosen.and_then(|place| marks.keys().nth(place)) {
+        session.go(frame);
     }
 }
 

@@ -6,6 +6,8 @@ use super::brush;
 use super::keys::is_held;
 use super::marks::{Over, RING};
 use super::onion;
+use super::pan::{Pan, Scroller};
+use super::picture_parts;
 use super::references;
 use super::theme;
 use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
@@ -80,7 +82,12 @@ impl Textures {
 }
 
 /// Shows the picture and handles the pointer.
-pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, textures: &mut Textures) {
+pub(super) fn show(
+    ui: &mut Ui,
+    session: &mut Session,
+    shortcuts: &Shortcuts,
+    (textures, pan): (&mut Textures, &mut Pan),
+) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Viewport"));
@@ -93,8 +100,11 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
     }
     session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
     session.show_before(is_held(ui.ctx(), shortcuts, Action::Before));
-    zoom_and_pan(ui, (&response, rect), session, &lens);
-    pen(ui, (&response, rect), (session, &lens), shortcuts);
+    scroll(ui, (&response, rect), (session, &lens), pan);
+    match pan.drag(ui, &response, shortcuts) {
+        Some(by) => session.zoom = session.zoom.panned(&lens, DVec2::new(by.x.into(), by.y.into())),
+        None => pen(ui, (&response, rect), (session, &lens), shortcuts),
+    }
     let lens = session.zoom.lens(session.shot().size, lens.viewport);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0, theme::surroundings(ui.visuals()));
@@ -110,20 +120,29 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts, te
     over.draw();
     brush_ring(ui, &response, (&over, is_brush), shortcuts);
     status(ui, rect, session, &lens);
+    picture_parts::show(ui, &response, (session, &lens), REACH);
     menu(&response, session);
 }
 
-fn zoom_and_pan(ui: &Ui, (response, rect): (&egui::Response, Rect), session: &mut Session, lens: &Lens) {
+/// Zooms by the wheel or by a pinch, and pans by the middle button or by two fingers on a trackpad.
+fn scroll(ui: &Ui, (response, rect): (&egui::Response, Rect), (session, lens): (&mut Session, &Lens), pan: &mut Pan) {
+    let scroller = pan.scroller(ui);
+    let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+    let (wheel, mut by) = match scroller {
+        Scroller::Wheel => (scroll.y, vec2(scroll.x, 0.0)),
+        Scroller::Trackpad => (0.0, scroll),
+    };
     let pointer = response.hover_pos().map(|at| at - rect.min);
-    if let Some(at) = pointer {
-        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
-        let factor = f64::from(pinch) * f64::from(scroll.y / 240.0).exp();
-        if factor != 1.0 {
-            session.zoom = session.zoom.zoomed(lens, DVec2::new(at.x.into(), at.y.into()), factor);
-        }
+    let factor = f64::from(pinch) * f64::from(wheel / 240.0).exp();
+    if let Some(at) = pointer.filter(|_| factor != 1.0) {
+        session.zoom = session.zoom.zoomed(lens, DVec2::new(at.x.into(), at.y.into()), factor);
+        return;
     }
+    by = if pointer.is_some() { by } else { vec2(0.0, 0.0) };
     if response.dragged_by(PointerButton::Middle) {
-        let by = response.drag_delta();
+        by += response.drag_delta();
+    }
+    if by != vec2(0.0, 0.0) {
         session.zoom = session.zoom.panned(lens, DVec2::new(by.x.into(), by.y.into()));
     }
 }

@@ -25,10 +25,15 @@ pub(super) struct Changed {
 }
 
 impl FileWatch {
+    /// Returns whether this shot is watched, under whatever edits.
+    pub(super) fn is_of(&self, shot: &Shot) -> bool {
+        self.shot == shot.path
+    }
+
     /// Watches the files that a shot names, too, and those beside its scene, even if they cannot be loaded. Returns whether another
     /// shot was watched before.
     pub(super) fn add(&mut self, shot: &Shot, beside: &[PathBuf]) -> bool {
-        let is_other = self.shot != shot.path;
+        let is_other = !self.is_of(shot);
         if is_other {
             *self = Self { shot: shot.path.clone(), stamps: Vec::new(), plate: PlateWatch::of(shot) };
         }

@@ -121,6 +121,12 @@ impl FrameWorker {
             let next = job.next.remove(0);
             self.play_frame(next, job, sender)?;
         }
+        // Before the range is solved over time, no report is that of the rendered frame.
+        let is_settled = self.open.as_ref().is_some_and(|open| open.prepared().is_settled());
+        while is_settled && !interrupts.is_stale() && !job.reports.is_empty() {
+            let frame = job.reports.remove(0);
+            self.report_frame(frame, job.revision, sender)?;
+        }
         Ok(())
     }
 
@@ -168,10 +174,13 @@ impl FrameWorker {
         Ok(())
     }
 
-    /// Returns the files beside the scene of a shot that is about to be loaded; none if it is loaded already, or cannot be read.
+    /// Returns the files beside the scene of a shot that is about to be loaded; none if they are watched already, or the scene cannot be
+    /// read.
     fn files_beside(&self, shot: &Shot) -> Vec<PathBuf> {
         match (&self.open, &self.loaded, &shot.source) {
-            (Some(open), _, source) if open.given().source == *source => Vec::new(),
+            (Some(open), _, source) if open.given().source == *source && self.watch.is_of(shot) => Vec::new(),
+            // Saved elsewhere: what is watched begins anew, even if this edit cannot be loaded.
+            (Some(open), _, source) if open.given().source == *source => open.prepared().scene.files_beside.clone(),
             (None, Some(scene), _) => scene.files_beside.clone(),
             (_, _, Source::Scene(scene)) => scene::files_beside(scene).unwrap_or_default(),
             (_, _, Source::Images(_) | Source::Frame) => Vec::new(),
@@ -269,6 +278,15 @@ impl FrameWorker {
         self.send_solved(&own, (&sample, is_settled), sender);
         let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
         self.draw((frame, job), (&sample, &KeptParts::default(), quality), (PLAY_MS, &|| false), sender)
+    }
+
+    fn report_frame(&mut self, frame: i32, revision: u64, sender: &ReplySender) -> Result<(), PipelineError> {
+        let Some(open) = &self.open else { return Ok(()) };
+        let sample = open.prepared().mid_exposure(frame)?;
+        let mut report = report(open.prepared(), frame, &sample);
+        self.jerk.watch(open.prepared(), &sample, &mut report);
+        sender.send(Reply::Reported(revision, frame, Box::new(report)));
+        Ok(())
     }
 
     fn drag(&mut self, job: &Job, layers: &[usize], sender: &ReplySender) -> Result<(), PipelineError> {

@@ -22,6 +22,8 @@ pub(in crate::edit) struct Job {
     pub purpose: Purpose,
     /// Frames to draw afterwards, in order.
     pub next: Vec<i32>,
+    /// Frames to report after those, in order, without a picture.
+    pub reports: Vec<i32>,
     /// Whether the unwarped frame is requested, too.
     pub with_before: bool,
     /// Whether the rendered frame was already sent: an interrupted job then continues with the next frames.
@@ -68,6 +70,8 @@ pub(in crate::edit) enum Reply {
     Loaded(Arc<Loaded>),
     /// Overlay marks and the solve report of a frame.
     Solved(Arc<SolvedFrame>),
+    /// The report of a frame that is not drawn, with the revision of the document and the frame number.
+    Reported(u64, i32, Box<FrameReport>),
     /// A frame was drawn.
     Drawn(Arc<Picture>),
     /// The unwarped frame was drawn.

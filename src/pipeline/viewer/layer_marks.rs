@@ -33,6 +33,8 @@ pub(crate) struct LayerMarks {
     pub handle_steps: Vec<[DVec3; 2]>,
     /// The rest box of a screen layer's lattice.
     pub rest_box: Option<RotatedBox>,
+    /// The rest box of a world layer's lattice, as lower and upper corner of the box around it along the axes of the scene, metres.
+    pub scene_box: Option<[[f64; 3]; 2]>,
     /// The active pins.
     pub pins: Vec<PinMark>,
     /// Distortion at the points of each line: ratio of the singular values of the warp's gradient, largest to smallest.
@@ -53,6 +55,8 @@ pub(crate) struct PinMark {
     /// World layers: how the target, in metres or, if the pin's unit is the box, in sizes of the box, changes for a frame height
     /// to the right and one up on the screen, at constant depth.
     pub steps: Option<[DVec3; 2]>,
+    /// The length of a frame height at the depth of the pinned point, metres; `None` for points of the screen.
+    pub metres_per_height: Option<f64>,
     /// Pins that turn about three axes of the scene: the axes of their angles in view space (rightwards, upwards, towards the viewer),
     /// each as the angles after it have turned it.
     pub turn_axes: Option<[DVec3; 3]>,
@@ -76,17 +80,22 @@ pub(crate) fn layer_marks(prepared: &PreparedShot, sample: &TimeSample) -> Vec<L
         };
         let lattice = state.solution.as_ref().map(|solution| &solution.lattice);
         let pins = state.pins.iter().enumerate().filter(|(_, pin)| pin.is_in_view);
-        let steps = |place: usize, pin: usize| {
+        let own_steps = |place: usize, pin: usize| {
             let world = state.world.as_ref()?;
             let unit = prepared.shot.layers[layer].pins[pin].unit;
             Some(pin_steps(&world.lattice, &sample.camera, (world.pins.get(place)?.target, unit)))
+        };
+        let metres = |pin: usize| {
+            let anchor = prepared.anchors_of(layer).get(pin)?;
+            Some(steps(&sample.camera, anchor.in_scene(&sample.pose)?)[1].length())
         };
         let pin = |(place, state): (usize, &PinState)| PinMark {
             pin: state.pin,
             rest: state.rest,
             target: state.target,
             rim: lattice.map(|lattice| rim(prepared, (layer, state), lattice)).unwrap_or_default(),
-            steps: steps(place, state.pin),
+            steps: own_steps(place, state.pin),
+            metres_per_height: metres(state.pin),
             turn_axes: state_axes(prepared, sample, [layer, state.pin]),
         };
         Some(LayerMarks { pins: pins.map(pin).collect(), ..marks })
@@ -190,7 +199,17 @@ fn of_scene(marks: LayerMarks, placed: &SceneLattice, camera: &Camera) -> LayerM
     let places = || lattice.handles.iter().map(|&handle| frame.scene_from_box(handle.into()));
     let handle_steps = places().map(|place| in_box(placed, steps(camera, place))).collect();
     let handles = places().map(|place| in_view(camera, place)).collect();
-    LayerMarks { lines, distortion, handles, handle_steps, ..marks }
+    LayerMarks { lines, distortion, handles, handle_steps, scene_box: Some(bounds(placed)), ..marks }
+}
+
+/// Returns the corners of the box along the axes of the scene around the rest box of a lattice.
+fn bounds(placed: &SceneLattice) -> [[f64; 3]; 2] {
+    let ends = [placed.lattice.grid.lo, placed.lattice.grid.hi];
+    let corner =
+        |k: usize| placed.frame.scene_from_box(DVec3::from_array([0, 1, 2].map(|axis| ends[k >> axis & 1][axis])));
+    let [mut low, mut high] = [corner(0); 2];
+    (1..8).map(corner).for_each(|place| (low, high) = (low.min(place), high.max(place)));
+    [low.to_array(), high.to_array()]
 }
 
 /// Returns the displacements of a point of the scene, metres, that move it by a frame height to the right and up at constant depth.

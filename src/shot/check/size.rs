@@ -3,7 +3,7 @@
 //! In: the raw shot, its source and plate. Out: the size.
 
 use super::Check;
-use crate::image::{SequencePath, picture_size, sequence_size};
+use crate::image::{picture_size, plate_size};
 use crate::shot::raw::RawShot;
 use crate::shot::{FrameRange, Source};
 use crate::space::FrameSize;
@@ -28,9 +28,7 @@ impl Check<'_> {
         }
         let shown = match source {
             Source::Images(images) => images.first().map(|image| picture_size(image)),
-            Source::Frame => plate.map(|plate| {
-                sequence_size(&SequencePath::of_input(plate)?, (frames.first, frames.first..=frames.last))
-            }),
+            Source::Frame => plate.and_then(|plate| plate_size(plate, [frames.first, frames.last])).map(Ok),
             Source::Scene(_) => None,
         };
         match shown {
