@@ -98,7 +98,7 @@ fn crossed() -> ScreenLattice {
 /// A picture and its coverage.
 fn picture(covers: impl Fn(u32, u32) -> bool) -> (Plate, Coverage) {
     let value = |x: u32, y: u32| f32::from(u8::from(covers(x, y)));
-    let channels = ["R", "A"].map(|name| channel(name, Storage::Half, FRAME.window(), &value));
+    let channels = ["R", "A"].map(|name| channel(name, Storage::Half, FRAME.window(), value));
     let samples = channels[1].samples.clone();
     (plate(FRAME.window(), FRAME.window(), channels.into()), Coverage { frame: FRAME, window: FRAME.window(), samples })
 }
