@@ -1,11 +1,13 @@
 //! Whole renders: overlap of the stages, and growth of memory.
 //!
 //! Run with `cargo bench --bench frame`. Prints the memory of a long render after its first frames and at its end; then, for
-//! each scene, the busy time of every stage, the wall time, and its ratio to the slowest stage.
+//! each scene, the busy time of every stage, the wall time, and its ratio to the slowest stage; then the drawn girl, whose parts
+//! have handles of their own, and the ratio of her frames to those of a plain lattice with as many handles.
 
 use pinwarp::pipeline::{Event, Existing, PreparedShot, RenderOptions, Summary, render};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Shot;
+use pinwarp::solve::Topology;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -46,6 +48,27 @@ fn main() {
             print_row(&format!("{scene}, {name}"), &summary);
         }
     }
+    compare_topologies(folder.path());
+}
+
+/// Prints a picture's frames with a branching and with a plain lattice of the same dims, and their ratio.
+fn compare_topologies(folder: &Path) {
+    let Some(automatic) = prepared("puppet", folder, 1) else { return };
+    let wall_secs = [Topology::Branching, Topology::Plain].map(|topology| {
+        let mut shot = automatic.shot.clone();
+        shot.layers[0].has_auto_dims = false;
+        shot.layers[0].settings.topology = topology;
+        let prepared = PreparedShot::new(shot).expect("the scenes of the repository fit their shots");
+        let frames: Vec<i32> = (prepared.shot.frames.first..=prepared.shot.frames.last).collect();
+        // The first run solves the layer over time.
+        let summaries = [0, 1].map(|_| run(&prepared, frames.clone(), DeviceChoice::Cpu, &|_| {}));
+        print_row(&format!("puppet, {topology:?}, and its solve"), &summaries[0]);
+        print_row(&format!("puppet, {topology:?}, frames"), &summaries[1]);
+        summaries.map(|summary| summary.wall_secs)
+    });
+    let [branching, plain] = wall_secs;
+    let ratio = |run: usize| branching[run] / plain[run];
+    println!("puppet, branching to plain: {:.2} with the solve, {:.2} without", ratio(0), ratio(1));
 }
 
 /// A scene of the repository, prepared with its size divided by `shrink`; its frames go to `folder`.

@@ -6,7 +6,8 @@ mod puppet;
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::methods::Arap;
 use pinwarp::solve::{
-    BranchedLattice, Energy, HandlePin, PointPin, Problem, Region, Settings, Shape, Solution, Solver, Topology, solve,
+    BranchedLattice, Energy, HandlePin, PointPin, Problem, Region, Settings, Shape, Solution, Solver, Topology,
+    far_points, solve,
 };
 use puppet::{Puppet, Random};
 
@@ -475,5 +476,17 @@ fn loose_triangles_and_pages_on_one_edge_share_copies_beyond_a_number() {
             assert!((-0.5..=1.5).contains(&x) && (-0.5..=1.5).contains(&y), "triangle {number} is at {x}, {y}");
         }
         assert!(solution.report.pin_errors.iter().all(|error| *error < 1e-3), "{:?}", solution.report.pin_errors);
+    }
+}
+
+/// Each end of a gap lies in some support, whose sides it holds together up to that end, and nothing else does.
+#[test]
+fn no_handle_holds_together_what_is_far_apart_on_figures() {
+    for (number, puppet) in std::iter::once(Puppet::girl()).chain((1..=10).map(Puppet::random)).enumerate() {
+        let shape = puppet.mesh(SPACING);
+        for dims in [[20, 25], [39, 64]] {
+            let found = far_points(&grid_over(&shape, dims), &shape).expect("a right shape");
+            assert!(found.is_empty(), "figure {number}, {dims:?}: {found:?}");
+        }
     }
 }

@@ -5,11 +5,9 @@
 use super::WarpMap;
 use super::channel_table::ChannelEntry;
 use super::matte::MatteCoverage;
-use super::pixel_field::{PixelField, center};
+use super::pixel_field::PixelField;
 use super::warp_map::nearest_source;
 use crate::space::PixelRect;
-use glam::IVec2;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -133,8 +131,8 @@ impl Composite<'_> {
     }
 
     /// Returns the pixels, as indices into the window, where a moving layer folds over itself and is visible. What a matte or a part
-    /// leaves out is moved too, but overlaps nothing: two surfaces must be visible, or one that is flipped. `alpha`: #pixels of the
-    /// source.
+    /// leaves out is moved too, but overlaps nothing: two surfaces must be visible, or one that is flipped. On a branch it must be one
+    /// that is flipped, since its parts may pass in front of each other. `alpha`: #pixels of the source.
     pub(super) fn folded_pixels(
         &self,
         (moving_layer, has_matte): (usize, bool),
@@ -161,7 +159,9 @@ impl Composite<'_> {
         let of_layer = |(layer, pixels): (&WarpedLayer, Vec<[i32; 2]>)| -> Vec<usize> {
             let shown = pixels.into_iter().filter(|&pixel| self.is_visible(layer, pixel, alpha));
             let indexed = shown.filter_map(|pixel| Some((pixel, self.window.sample_index(pixel)?)));
-            let counts = indexed.filter(|(pixel, at)| is_whole || flipped.contains(at) || seen(*pixel) >= 2);
+            let may_overlap = field.field.is_of_branch();
+            let counts =
+                indexed.filter(|(pixel, at)| is_whole || flipped.contains(at) || !may_overlap && seen(*pixel) >= 2);
             counts.map(|(_, at)| at).collect()
         };
         folded.into_iter().flat_map(of_layer).collect()
@@ -169,17 +169,8 @@ impl Composite<'_> {
 
     /// Returns the pixels, as indices into the window, on and around which visible pixels of a layer land flipped.
     fn flipped_targets(&self, field: PixelField, layer: &WarpedLayer, alpha: Option<&[f32]>) -> BTreeSet<usize> {
-        let target = |source: usize| {
-            if !layer.covers(source, alpha) {
-                return None;
-            }
-            let [x, y] = self.source.pixel_at(source);
-            let (moved, gradient) = field.displace(center(x, y));
-            (gradient.determinant() < 0.0).then(|| (center(x, y) + moved).floor().as_ivec2())
-        };
-        let targets: Vec<IVec2> = (0..self.source.area()).into_par_iter().filter_map(target).collect();
-        let around = targets.into_iter().flat_map(|at| (0..9).map(move |k| [at.x + k % 3 - 1, at.y + k / 3 - 1]));
-        around.filter_map(|pixel| self.window.sample_index(pixel)).collect()
+        let pixels = field.flipped_targets(self.source, |source| layer.covers(source, alpha));
+        pixels.into_iter().filter_map(|pixel| self.window.sample_index(pixel)).collect()
     }
 
     /// Whether a layer is visible at a pixel.

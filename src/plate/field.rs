@@ -31,6 +31,8 @@ const CLOSE: f64 = 1e-9;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
     parts: Vec<Part>,
+    /// Whether it moves parts of a shape that may pass in front of each other.
+    is_of_branch: bool,
 }
 
 /// One of the maps that are applied in sequence.
@@ -88,37 +90,48 @@ impl Part {
 }
 
 impl Field {
+    const fn of_parts(parts: Vec<Part>) -> Self {
+        Self { parts, is_of_branch: false }
+    }
+
     /// Returns the identity.
     #[must_use]
     pub const fn identity() -> Self {
-        Self { parts: Vec::new() }
+        Self::of_parts(Vec::new())
     }
 
     /// Returns the warp of an isolated layer (geometry, matted plates): outside the box a point moves as the nearest
     /// point of the box does.
     #[must_use]
     pub fn of_layer(lattice: ScreenLattice) -> Self {
-        Self { parts: vec![Part::Lattice(ExtrapolatedLattice::clamped(&lattice))] }
+        Self::of_parts(vec![Part::Lattice(ExtrapolatedLattice::clamped(&lattice))])
+    }
+
+    /// Returns the warp of a branch of a lattice: as [`Self::of_layer`], but parts of the shape on it that lie over each other, as
+    /// crossing legs do, are no fold.
+    #[must_use]
+    pub(crate) fn of_branch(lattice: ScreenLattice) -> Self {
+        Self { is_of_branch: true, ..Self::of_layer(lattice) }
     }
 
     /// Returns the warp of a whole picture: outside the box the displacement continues smoothly and fades to zero, so
     /// that the background neither slides nor kinks (docs/PLATES.md).
     #[must_use]
     pub fn of_picture(lattice: ScreenLattice) -> Self {
-        Self { parts: vec![Part::Lattice(ExtrapolatedLattice::fading(&lattice))] }
+        Self::of_parts(vec![Part::Lattice(ExtrapolatedLattice::fading(&lattice))])
     }
 
     /// Returns the warp of a whole picture with a fixed border: nothing folds, and pins reach their targets.
     #[must_use]
     pub(crate) fn of_whole(whole: &WholeWarp) -> Self {
-        Self { parts: vec![Part::Lattice(whole.extrapolated()), Part::Flow(Arc::clone(whole.flow()))] }
+        Self::of_parts(vec![Part::Lattice(whole.extrapolated()), Part::Flow(Arc::clone(whole.flow()))])
     }
 
     /// Returns the warp of surfaces, from their pictures before and after it. It can be applied, but neither undone
     /// nor concatenated with other fields.
     #[must_use]
     pub(crate) fn of_surfaces(pictures: [SurfacePicture; 2], frame: FrameSize) -> Self {
-        Self { parts: vec![Part::Surfaces(Arc::new(SurfaceField::of(pictures, frame)))] }
+        Self::of_parts(vec![Part::Surfaces(Arc::new(SurfaceField::of(pictures, frame)))])
     }
 
     /// Returns the field of surfaces, if this is one.
@@ -129,13 +142,19 @@ impl Field {
     /// Concatenates fields: each one warps the result of the previous one.
     #[must_use]
     pub(crate) fn chain(fields: Vec<Self>) -> Self {
-        Self { parts: fields.into_iter().flat_map(|field| field.parts).collect() }
+        let is_of_branch = fields.iter().any(|field| field.is_of_branch);
+        Self { parts: fields.into_iter().flat_map(|field| field.parts).collect(), is_of_branch }
     }
 
     /// Whether the warp is the identity everywhere.
     #[must_use]
     pub(crate) fn is_identity(&self) -> bool {
         self.parts.iter().all(Part::is_at_rest)
+    }
+
+    /// Whether the warp is that of a branch: only what is turned over is then a fold.
+    pub(super) const fn is_of_branch(&self) -> bool {
+        self.is_of_branch
     }
 
     /// Whether the warp is known to be one-to-one.

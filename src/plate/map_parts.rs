@@ -2,6 +2,7 @@
 //!
 //! In: a [`Field`] and a [`Coverage`] per part, from back to front. Out: a [`WarpMap`] that shows the front part at every pixel.
 
+use super::pixel_field::{Direction, PixelField};
 use super::warp_map::{HALF, nearest_source};
 use super::{Coverage, Field, WarpMap};
 use crate::space::{FrameSize, PixelRect};
@@ -26,7 +27,8 @@ impl WarpMap {
         for (field, share) in parts {
             let bound = |pixel| if covered.at(pixel, frame) >= HALF { 1.0 } else { 0.5 * HALF };
             let part = Self::backward_showing(field, (frame, window), |pixel| share.at(pixel, frame) * bound(pixel));
-            let folds: BTreeSet<u32> = part.folded_pixels.iter().copied().collect();
+            let is_shown = |source| share.at(source, frame) >= HALF && covered.at(source, frame) >= HALF;
+            let folds = part.folds_of_branch((field, Direction::Backward), is_shown);
             for (index, is_covered) in is_covered.iter_mut().enumerate() {
                 let Some(source) = nearest_source(window.pixel_at(index), part.offsets[index]) else { continue };
                 let is_front = covered.at(source, frame) >= HALF;
@@ -46,6 +48,27 @@ impl WarpMap {
         map
     }
 
+    /// Returns the folded pixels of this map that are folds of a branch, too: something that is shown lands turned over on them or,
+    /// forward, where they land. Parts of a branch that pass in front of each other are no fold.
+    fn folds_of_branch(
+        &self,
+        (field, direction): (&Field, Direction),
+        is_shown: impl Fn([i32; 2]) -> bool + Sync,
+    ) -> BTreeSet<u32> {
+        if self.folded_pixels.is_empty() {
+            return BTreeSet::new();
+        }
+        let reach = self.frame.window().union(self.window);
+        let pixel_field = PixelField { field, frame: self.frame, direction: Direction::Forward };
+        let flipped = pixel_field.flipped_targets(reach, |source| is_shown(reach.pixel_at(source)));
+        let place = |index: usize| match direction {
+            Direction::Backward => Some(self.window.pixel_at(index)),
+            Direction::Forward => nearest_source(self.window.pixel_at(index), self.offsets[index]),
+        };
+        let is_fold = |index: &u32| place(*index as usize).is_some_and(|pixel| flipped.contains(&pixel));
+        self.folded_pixels.iter().copied().filter(is_fold).collect()
+    }
+
     /// Returns the target of every pixel centre of a picture, moved by the part that covers at least half of it; the rest stays.
     #[must_use]
     pub(crate) fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
@@ -53,11 +76,13 @@ impl WarpMap {
         let mut folded = BTreeSet::new();
         for (field, coverage) in parts {
             let part = Self::forward(field, frame, window);
-            let is_own = |index: usize| coverage.at(window.pixel_at(index), frame) >= HALF;
+            let is_own = |pixel| coverage.at(pixel, frame) >= HALF;
+            let folds = part.folds_of_branch((field, Direction::Forward), is_own);
+            let is_own = |index: usize| is_own(window.pixel_at(index));
             (0..window.area())
                 .filter(|&index| is_own(index))
                 .for_each(|index| map.offsets[index] = part.offsets[index]);
-            folded.extend(part.folded_pixels.iter().copied().filter(|&index| is_own(index as usize)));
+            folded.extend(folds.into_iter().filter(|&index| is_own(index as usize)));
         }
         map.folded_pixels = folded.into_iter().collect();
         map

@@ -4,7 +4,9 @@
 
 use super::Field;
 use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenVector};
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, IVec2};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Direction of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +91,25 @@ impl PixelField<'_> {
     pub(super) fn finest_step(self) -> f64 {
         let scale = self.scale().abs();
         self.field.spacings().map(|spacing| (spacing * scale).min_element()).fold(f64::INFINITY, f64::min) / 4.0
+    }
+
+    /// Returns the pixels on and around which the pixels of a window land flipped, of those that are shown. `is_shown`: for an index
+    /// into the window.
+    pub(super) fn flipped_targets(
+        self,
+        window: PixelRect,
+        is_shown: impl Fn(usize) -> bool + Sync,
+    ) -> BTreeSet<[i32; 2]> {
+        let target = |source: usize| {
+            if !is_shown(source) {
+                return None;
+            }
+            let [x, y] = window.pixel_at(source);
+            let (moved, gradient) = self.displace(center(x, y));
+            (gradient.determinant() < 0.0).then(|| (center(x, y) + moved).floor().as_ivec2())
+        };
+        let targets: Vec<IVec2> = (0..window.area()).into_par_iter().filter_map(target).collect();
+        targets.into_iter().flat_map(|at| (0..9).map(move |k| [at.x + k % 3 - 1, at.y + k / 3 - 1])).collect()
     }
 
     /// Upper bound of the displacement, in pixels per axis.

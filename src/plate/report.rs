@@ -12,7 +12,8 @@ pub struct PlateReport {
     pub channels: Vec<ChannelReport>,
     /// Pixels of the first view's beauty that a matted layer left uncovered, including those that were filled.
     pub uncovered_pixels: usize,
-    /// Pixels of the first view's beauty where a layer folds over itself. The front is shown; the warp cannot be undone there.
+    /// Pixels of the first view's beauty where a layer folds over itself; on a branch, where something is turned over. The front is
+    /// shown; the warp cannot be undone there.
     pub folded_pixels: usize,
     /// Colour samples that were NaN (replaced by 0) or infinite (replaced by 65504) and would have spread to their neighbours.
     pub contained_samples: usize,

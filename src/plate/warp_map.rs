@@ -16,7 +16,8 @@ pub struct WarpMap {
     /// nothing is visible; exactly 0 where nothing moves.
     pub offsets: Vec<[f32; 2]>,
     /// Pixels of the window (ascending indices into `offsets`) at which the field is not one-to-one: several source
-    /// points land there (backward), or the pixel lands on others (forward).
+    /// points land there (backward), or the pixel lands on others (forward). In maps of branches, whose parts may pass in front of
+    /// each other: where a part is turned over.
     pub folded_pixels: Vec<u32>,
 }
 

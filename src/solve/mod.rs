@@ -58,6 +58,7 @@ pub(crate) use linalg::small_matrix::symmetric_eigen;
 
 pub(crate) use branching::Bending;
 pub(crate) use branching::{BranchedLattice, Link};
+pub(crate) use branching::{FarPoints, far_points};
 pub(crate) use branching::{LinkEnd, LinkKind};
 pub(crate) use branching::{
     continued, inner_widths, islands_of, link_length, nearest_link, solid_links, surface_links,

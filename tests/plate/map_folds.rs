@@ -3,9 +3,9 @@
 use super::map::{BASES, random};
 use super::support::{channel, layer, plate, warped};
 use glam::DVec2;
-use pinwarp::image::Storage;
-use pinwarp::lattice::{Basis, Grid};
-use pinwarp::plate::{Field, Matte, WarpMap, WarpSettings};
+use pinwarp::image::{Plate, Storage};
+use pinwarp::lattice::{Basis, Grid, ScreenLattice};
+use pinwarp::plate::{Coverage, Field, Matte, WarpMap, WarpSettings};
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 
 const FRAME: FrameSize = FrameSize { width: 160, height: 90, pixel_aspect: 1.0 };
@@ -70,13 +70,71 @@ fn a_map_that_is_a_pixel_off_is_noticed() {
 }
 
 /// A lattice that is pulled over itself.
-fn pulled_over() -> Field {
+fn pulled_over_lattice() -> ScreenLattice {
     let mut lattice = random(Basis::Bspline, 0.0, 0);
     let by = 2.6 * lattice.grid.spacing(0);
     for handle in lattice.handles.iter_mut().filter(|handle| handle[0] < 0.9 && (0.3..0.7).contains(&handle[1])) {
         handle[0] += by;
     }
-    Field::of_layer(lattice)
+    lattice
+}
+
+fn pulled_over() -> Field {
+    Field::of_layer(pulled_over_lattice())
+}
+
+/// A lattice that carries its left part to the right and its right part to the left, by half the height of the frame; between them it
+/// turns over.
+fn crossed() -> ScreenLattice {
+    let mut lattice =
+        Grid { dims: [20, 4], basis: Basis::Bspline, lo: [0.0; 2], hi: [FRAME.aspect(), 1.0], angle: 0.0 }.at_rest();
+    for handle in &mut lattice.handles {
+        let across = (handle[0] / FRAME.aspect() - 0.4) / 0.2;
+        handle[0] += 0.55 * (1.0 - 2.0 * across.clamp(0.0, 1.0));
+    }
+    lattice
+}
+
+/// A picture and its coverage.
+fn picture(covers: impl Fn(u32, u32) -> bool) -> (Plate, Coverage) {
+    let value = |x: u32, y: u32| f32::from(u8::from(covers(x, y)));
+    let channels = ["R", "A"].map(|name| channel(name, Storage::Half, FRAME.window(), value));
+    let samples = channels[1].samples.clone();
+    (plate(FRAME.window(), FRAME.window(), channels.into()), Coverage { frame: FRAME, window: FRAME.window(), samples })
+}
+
+/// The pixels that are told as folded: by a warped plate, by the map back and by the map there.
+fn told_of((plate, coverage): &(Plate, Coverage), field: &Field) -> [usize; 3] {
+    let layers = vec![layer("all", field.clone(), Some(Matte::Alpha))];
+    let (parts, place) = ([(field.clone(), coverage.clone())], (FRAME, FRAME.window()));
+    [
+        warped(plate, layers, &WarpSettings::default()).1.folded_pixels,
+        WarpMap::backward_of_shares(&parts, coverage, place).folded_pixels.len(),
+        WarpMap::forward_of_parts(&parts, place).folded_pixels.len(),
+    ]
+}
+
+/// Legs that cross are on one branch, for they share no handles. A plain lattice holds the ground between them, too.
+#[test]
+fn parts_of_a_branch_that_pass_in_front_of_each_other_are_no_fold() {
+    let legs = picture(|x, _| (20..42).contains(&x) || (118..140).contains(&x));
+    assert_eq!(told_of(&legs, &Field::of_branch(crossed())), [0; 3]);
+    let [of_plate, ..] = told_of(&legs, &Field::of_layer(crossed()));
+    assert!(of_plate > 1000, "the legs lie over each other: {of_plate} pixels");
+}
+
+#[test]
+fn folds_of_a_branch_are_told() {
+    let sheet = picture(|_, _| true);
+    let wanted = WarpMap::backward(&pulled_over(), FRAME, FRAME.window()).folded_pixels.len();
+    let [of_plate, back, there] = told_of(&sheet, &Field::of_branch(pulled_over_lattice()));
+    let is_right = [of_plate, back].iter().all(|told| (wanted * 9 / 10..=wanted).contains(told));
+    assert!(wanted > 200 && is_right, "{of_plate} and {back} of {wanted}");
+    assert!(there > wanted, "what is turned over, what lies over it and what lies under it: {there}");
+    // Only what is turned over in the picture itself counts.
+    let half = picture(|_, y| y < 45);
+    let [of_plate, back, _] = told_of(&half, &Field::of_branch(pulled_over_lattice()));
+    assert!([of_plate, back].iter().all(|&told| (wanted / 4..wanted * 3 / 4).contains(&told)), "{of_plate}, {back}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod branches;
 mod cameras;
 mod connectivity;
 mod data;
+mod far_apart;
 mod faults;
 mod layers;
 mod lines;

@@ -378,6 +378,46 @@ fn branches_keep_soft_edges() {
     assert!(greatest < 0.005, "{greatest}");
 }
 
+/// A hip with two legs whose feet pass each other, and what the frame with them warns of.
+fn warnings_of_crossed_legs(topology: &str) -> Vec<String> {
+    let legs = |x: f32, y: f32| {
+        let is_hip = (28.0..68.0).contains(&x) && (8.0..18.0).contains(&y);
+        let is_leg = (18.0..58.0).contains(&y) && ((28.0..37.0).contains(&x) || (59.0..68.0).contains(&x));
+        f32::from(u8::from(is_hip || is_leg))
+    };
+    let wall = Wall::new();
+    wall.hang("legs.exr", SIZE, drawn(SIZE, "", legs));
+    let pins = [(32.0, 13.0, 0.0), (64.0, 13.0, 0.0), (32.5, 55.0, 27.0), (63.5, 55.0, -27.0)].map(|(x, y, dx)| {
+        let (at, offset) = ([x / 64.0, 1.0 - y / 64.0], [dx / 64.0, 0.0]);
+        format!(
+            "[[layer.pin]]\nanchor = {{ screen = {at:?}, frame = 1 }}\nkeys = [{{ frame = 1, offset = {offset:?} }}]\n"
+        )
+    });
+    let text = format!(
+        "version = 1\nimage = \"legs.exr\"\n[[layer]]\nlattice = {{ dims = [24, 24], topology = \"{topology}\" }}\n\
+         solve = {{ guard = \"report\" }}\n{}",
+        pins.concat()
+    );
+    let prepared = PreparedShot::new(wall.shot(&text)).expect("the picture is there");
+    let found = Mutex::new(Vec::new());
+    let keep = |event: Event| {
+        if let Event::FrameDone(report) = event {
+            found.lock().expect("nobody panics").extend(report.warnings);
+        }
+    };
+    let options = RenderOptions { frames: vec![1], ..RenderOptions::default() };
+    render(&prepared, &options, &AtomicBool::new(false), &keep).expect("it renders");
+    found.into_inner().expect("nobody panics")
+}
+
+#[test]
+fn legs_that_cross_are_not_told_as_a_fold() {
+    let is_of_picture = |warning: &String| warning.contains("the picture overlaps itself");
+    let [branching, plain] = ["branching", "plain"].map(warnings_of_crossed_legs);
+    assert!(!branching.iter().any(is_of_picture), "{branching:?}");
+    assert!(plain.iter().any(is_of_picture), "{plain:?}");
+}
+
 /// Islands that are too small to be a part of the shape are moved with the nearest part.
 #[test]
 fn small_islands_are_drawn() {

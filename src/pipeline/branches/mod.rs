@@ -179,7 +179,7 @@ pub(crate) fn parts_of_file(
 /// Returns the field and the coverage of each part, and the coverage of the whole shape; `None` if there are no parts.
 pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Option<SharedParts> {
     let covered = (*parts.first()?.covered).clone();
-    let field = |part: BranchPart| (Field::of_layer(part.lattice), Arc::unwrap_or_clone(part.share));
+    let field = |part: BranchPart| (Field::of_branch(part.lattice), Arc::unwrap_or_clone(part.share));
     Some((parts.into_iter().map(field).collect(), covered))
 }
 

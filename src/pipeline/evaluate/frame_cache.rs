@@ -4,6 +4,7 @@
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::prepare::brush_strokes::StrokeCache;
+use crate::pipeline::prepare::known_far_points::KnownFarPoints;
 use crate::pipeline::prepare::slenderness::Slenderness;
 use crate::pipeline::prepare::symmetry::LayerMirror;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
@@ -28,6 +29,8 @@ pub(in crate::pipeline) struct FrameCache {
     pub(in crate::pipeline) rest: OnceLock<Pose>,
     /// How thin the thinnest parts of layers with automatic dims are.
     pub(in crate::pipeline) slenderness: Mutex<HashMap<usize, Slenderness>>,
+    /// What lies far apart along the pictures of layers with automatic dims, but shares handles.
+    pub(in crate::pipeline) far_points: Mutex<HashMap<usize, KnownFarPoints>>,
     /// What brush strokes cover.
     pub(in crate::pipeline) strokes: StrokeCache,
     /// Where the brush is mirrored on layers; `None`: nowhere.

@@ -175,8 +175,8 @@ fn warped(
     (layer, warp): (&str, Option<Warp>),
     (filter, last): (Filter, Option<WarpedPicture>),
 ) -> WarpedPicture {
-    let of_lattice = |plate: &Plate, lattice: ScreenLattice| {
-        let (name, field) = (layer.to_owned(), Field::of_layer(lattice));
+    let by_field = |plate: &Plate, field: Field| {
+        let name = layer.to_owned();
         let layer = LayerJob { name, field, previous: None, next: None, matte: Some(Matte::Alpha), front: None };
         let semantics = [REGION, RIM].map(|name| (name.to_owned(), Semantic::Color)).into();
         let settings = WarpSettings { filter, semantics, ..WarpSettings::default() };
@@ -187,14 +187,16 @@ fn warped(
     let (picture, part_map, warnings) = match &warp {
         None => (flat_picture.plate.clone().into_frame(), None, Vec::new()),
         Some(Warp::Plain(lattice)) => {
-            let (picture, report) = of_lattice(&flat_picture.plate, lattice.clone());
+            let (picture, report) = by_field(&flat_picture.plate, Field::of_layer(lattice.clone()));
             (picture, None, report.warnings)
         }
         Some(Warp::Branching(branches, parts)) => {
             let map = last
                 .and_then(|last| last.part_map_of(branches, parts))
                 .unwrap_or_else(|| PartMap::of(flat_picture, branches, parts));
-            let (picture, warnings) = warped_branches(flat_picture, (&map, branches, parts), of_lattice);
+            let (picture, warnings) = warped_branches(flat_picture, (&map, branches, parts), |plate, lattice| {
+                by_field(plate, Field::of_branch(lattice))
+            });
             (picture, Some(map), warnings)
         }
     };

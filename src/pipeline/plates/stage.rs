@@ -256,10 +256,10 @@ impl<'a> Stage<'a> {
         let whole = matte.or_else(|| found.mattes.get(&layer)).unwrap_or(&Matte::Alpha);
         let job = |BranchPart { lattice, around, share, .. }: BranchPart| {
             let around =
-                around.map(|around| around.map(|lattice| Some(lattice.map_or_else(Field::identity, Field::of_layer))));
+                around.map(|around| around.map(|lattice| Some(lattice.map_or_else(Field::identity, Field::of_branch))));
             let [previous, next] = around.unwrap_or_default();
             let matte = Some(Matte::Part { of: Box::new(whole.clone()), share });
-            LayerJob { name: name.to_owned(), field: Field::of_layer(lattice), previous, next, matte, front: None }
+            LayerJob { name: name.to_owned(), field: Field::of_branch(lattice), previous, next, matte, front: None }
         };
         parts.into_iter().map(job).collect()
     }

@@ -1,8 +1,9 @@
 //! Chooses the number of handles of a screen layer with `dims = "auto"`.
 //!
 //! In: a shot, its scene at rest and in the first frame. Out: dims with several spans across the thinnest parts and
-//! between neighbouring pins.
+//! between neighbouring pins, and more where a handle would act on points that lie far apart along a picture.
 
+use super::far_apart::FarApart;
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::slenderness::Slenderness;
 use crate::lattice::MAX_HANDLES;
@@ -27,6 +28,9 @@ const HANDLES: [usize; 2] = [10, MAX_HANDLES];
 /// split and factored anew.
 pub(in crate::pipeline) const SCENE_HANDLES: usize = 24;
 
+/// Factor by which dims grow where a handle acts on points that lie far apart along a picture.
+const FINER: f64 = 1.2;
+
 /// Number of handles above which the cost of a sequence is noted.
 const MANY_HANDLES: usize = 3000;
 
@@ -39,10 +43,12 @@ pub(in crate::pipeline) fn choose(prepared: &mut PreparedShot) {
     let layers: Vec<usize> = (0..prepared.shot.layers.len()).filter(asking).collect();
     for index in layers {
         let Choice { dims: chosen, why, wanted } = choice(prepared, index);
-        let layer = &mut prepared.shot.layers[index];
-        if let LayerSpace::Screen { dims, .. } = &mut layer.space {
-            *dims = chosen;
-        }
+        set_dims(prepared, index, chosen);
+        let (chosen, why) = match refined(prepared, index, chosen) {
+            Some(finer) => (finer, "so that it holds apart what lies far apart along the drawing"),
+            None => (chosen, why),
+        };
+        let layer = &prepared.shot.layers[index];
         let [across, up] = chosen;
         let halved = chosen.map(|count| count.div_ceil(2).max(HANDLES[0]));
         let cost = match (wanted, halved) {
@@ -56,6 +62,26 @@ pub(in crate::pipeline) fn choose(prepared: &mut PreparedShot) {
         };
         prepared.notes.push(format!("layer '{}': a lattice of {across} x {up} handles, {why}{cost}", layer.name));
     }
+}
+
+fn set_dims(prepared: &mut PreparedShot, index: usize, chosen: [usize; 2]) {
+    if let LayerSpace::Screen { dims, .. } = &mut prepared.shot.layers[index].space {
+        *dims = chosen;
+    }
+}
+
+/// Refines the lattice of a picture until no handle acts on points that lie far apart along it, and notes those that remain with the
+/// finest lattice. Returns the dims if they grew.
+fn refined(prepared: &mut PreparedShot, index: usize, chosen: [usize; 2]) -> Option<[usize; 2]> {
+    let (mut dims, mut left) = (chosen, FarApart::of(prepared, index)?);
+    while !left.is_empty() && dims.iter().all(|count| *count < HANDLES[1]) {
+        dims = dims.map(|count| ((count as f64 * FINER).ceil() as usize).min(HANDLES[1]));
+        set_dims(prepared, index, dims);
+        left = FarApart::of(prepared, index)?;
+    }
+    let note = left.note(&prepared.shot.layers[index].name);
+    prepared.notes.extend(note);
+    (dims != chosen).then_some(dims)
 }
 
 /// Dims of a layer.

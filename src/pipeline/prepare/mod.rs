@@ -8,6 +8,8 @@ pub(super) mod box_frames;
 pub(super) mod branch_lattices;
 pub(super) mod brush_strokes;
 pub(super) mod cameras;
+mod far_apart;
+pub(super) mod known_far_points;
 pub(super) mod layer_assignment;
 pub(super) mod lighting;
 mod loose_parts;
