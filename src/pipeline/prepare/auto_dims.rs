@@ -118,7 +118,7 @@ fn choice(prepared: &PreparedShot, index: usize) -> Choice {
     let ends = layer.basis.min_handles() - 1;
     let dims_for = |span: f64| {
         let spans = |side: f64| (PADDING * side / sides[0].max(sides[1]) / span).ceil() as usize;
-        sides.map(|side| (spans(side) + ends).clamp(HANDLES[0], HANDLES[1]))
+        sides.map(|side| spans(side).saturating_add(ends).clamp(HANDLES[0], HANDLES[1]))
     };
     let wanted = dims_for(span);
     let widest = match prepared.shot.source {
