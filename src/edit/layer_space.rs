@@ -9,7 +9,8 @@
 use crate::edit::track_keys::axes_of;
 use crate::pipeline::{LayerMarks, PinMark};
 use crate::shot::edit::{
-    PinName, Setting, put_handle, put_keys, put_layer_setting, put_pin_setting, put_region, put_rotate_keys, remove_pin,
+    PinName, Setting, has_pin_setting, put_handle, put_keys, put_layer_setting, put_pin_setting, put_region,
+    put_rotate_keys, remove_pin,
 };
 use crate::shot::{
     Anchor, BoxRule, Connectivity, Goal, Layer, LayerSpace, OffsetUnit, Pin, PinKey, PinRegion, Rotation, Shot,
@@ -114,6 +115,12 @@ impl Moved<'_> {
     fn lattice(&mut self) -> Result<(), ShotError> {
         let space = if self.to == Space::Scene { Setting::Text("world".into()) } else { Setting::Default };
         self.set(&["lattice", "space"], &space)?;
+        let usual = Space::of(self.layer.space).dims();
+        if self.layer.has_auto_dims {
+            self.dropped.push("the automatic dims".to_owned());
+        } else if !self.layer.space.dims().iter().zip(usual).all(|(count, usual)| *count as i64 == *usual) {
+            self.dropped.push("the dims".to_owned());
+        }
         self.set(&["lattice", "dims"], &Setting::Wholes(self.to.dims().to_vec()))?;
         let what = match self.layer.space {
             LayerSpace::Screen { bounds: BoxRule::Follow, .. }
@@ -229,10 +236,9 @@ impl Moved<'_> {
                 self.dropped.push(format!("the rotation of pin '{}'", pin.name));
             }
         }
-        let Some(region) = pin.region.filter(|region| followed.is_none_or(|other| other.region != Some(*region)))
-        else {
-            return Ok(());
-        };
+        // A pin that follows another one has the region of that one, which is converted with it, unless it has its own.
+        let is_own = followed.is_none() || has_pin_setting(&self.text, at, "region");
+        let Some(region) = pin.region.filter(|_| is_own) else { return Ok(()) };
         let factor = self.radius(pin, mark).filter(|factor| factor.is_finite());
         let region = factor.map(|factor| PinRegion { radius: readable(region.radius * factor), ..region });
         self.text = put_region(&self.text, at, region)?;

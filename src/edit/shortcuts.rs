@@ -5,7 +5,7 @@
 use super::EditError;
 use crate::files::{TABLE_BYTES, read_text};
 use crate::image::replace_text;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A key combination.
@@ -200,10 +200,11 @@ impl Shortcuts {
             .map_err(|(what, hint)| EditError::Unusable { what: format!("{}: {what}", path.display()), hint })
     }
 
-    /// Applies the overrides of a text.
+    /// Applies the overrides of a text. An action whose default chord they take is left without one.
     fn with(mut self, text: &str, known: impl Fn(&str) -> Option<&'static str>) -> Result<Self, (String, String)> {
         let own: BTreeMap<String, String> = serde_json::from_str(text)
             .map_err(|error| (error.to_string(), "write {\"undo\": \"Ctrl+Z\"}".to_owned()))?;
+        let mut bound = BTreeSet::new();
         for (id, chord) in own {
             let action = Action::ALL.iter().find(|action| action.id() == id).ok_or_else(|| {
                 let ids = Action::ALL.iter().map(|action| action.id());
@@ -213,7 +214,18 @@ impl Shortcuts {
             let parsed =
                 Chord::parse(&chord).and_then(|parsed| Some(Chord { key: known(&parsed.key)?.to_owned(), ..parsed }));
             self.0.insert(*action, parsed.ok_or_else(|| (format!("'{chord}' is no key"), hint()))?);
+            bound.insert(*action);
         }
+        let own: Vec<(Action, Chord)> = self
+            .0
+            .iter()
+            .filter(|(action, _)| bound.contains(*action))
+            .map(|(action, chord)| (*action, chord.clone()))
+            .collect();
+        self.0.retain(|action, chord| {
+            let is_taken = own.iter().any(|(other, taken)| taken == chord && !action.shares_key_with(*other));
+            bound.contains(action) || !is_taken
+        });
         match self.clash() {
             Some(what) => Err((what, "give one of them another key".into())),
             None => Ok(self),
@@ -295,7 +307,11 @@ mod tests {
         assert!(fault("{\"undoo\": \"U\"}").contains("no action 'undoo'"));
         assert!(fault("{\"undo\": \"Alt+Spaec\"}").contains("'Alt+Spaec' is no key"));
         assert!(fault("{\"undo\": \"Hyper+U\"}").contains("'Hyper+U' is no key"));
-        assert!(fault("{\"undo\": \"Ctrl+S\"}").contains("both 'save' and 'undo'"));
+        assert!(fault("{\"undo\": \"Ctrl+S\", \"save\": \"Ctrl+S\"}").contains("both 'save' and 'undo'"));
+        // Actions that later versions bring do not cost the keys that somebody chose.
+        let own = Shortcuts::default().with("{\"undo\": \"S\", \"redo\": \"U\"}", known).expect("the user's keys win");
+        assert_eq!(own.of(Action::Stiffness), None);
+        assert_eq!(own.of(Action::Redo).map(ToString::to_string).as_deref(), Some("U"));
         assert!(fault("[]").contains("expected"));
     }
 

@@ -96,7 +96,9 @@ pub(super) fn taps(ctx: &egui::Context, shortcuts: &Shortcuts) -> Vec<Tap> {
     let mut found = Vec::new();
     ctx.input_mut(|input| {
         input.events.retain(|event| match event {
-            egui::Event::Key { key, pressed: true, repeat, modifiers, .. } if *key == own && !modifiers.command => {
+            egui::Event::Key { key, pressed: true, repeat, modifiers, .. }
+                if *key == own && !(modifiers.command || modifiers.shift || modifiers.alt) =>
+            {
                 found.extend((!repeat).then_some(Tap::Down));
                 false
             }

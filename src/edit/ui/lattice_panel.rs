@@ -37,8 +37,8 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
 fn space(ui: &mut Ui, session: &mut Session, now: Space) {
     let list = ComboBox::from_id_salt("space").selected_text(now.name()).width(110.0).show_ui(ui, |ui| {
         for (other, hint) in [
-            (Space::Screen, "It bends what the camera sees; light and depth stay"),
-            (Space::Scene, "It bends the model itself, with its light and depth, for every camera"),
+            (Space::Screen, "Bends the rendered picture; lighting and depth are unchanged"),
+            (Space::Scene, "Bends the model itself, with its lighting and depth, for every camera"),
         ] {
             if ui.selectable_label(other == now, other.name()).on_hover_text(hint).clicked() {
                 session.set_space(other);

@@ -71,7 +71,10 @@ impl Editor {
         if !self.asks_about_running(&deferred) {
             // It ended by itself meanwhile.
             self.questions.running = None;
-            self.carry_out(ctx, deferred);
+            // A window that closes now would hide why a run failed.
+            if deferred != Deferred::Quit {
+                self.carry_out(ctx, deferred);
+            }
             return;
         }
         let is_exporting = self.session.as_ref().is_some_and(Session::is_exporting);

@@ -8,7 +8,7 @@ use super::file_watch::{Changed, FileWatch};
 use super::mail::{Inbox, Interrupts, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
-    JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
+    FrameReport, JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
 };
 use crate::raster::geometry::KeptParts;
 use crate::raster::{self, DeviceChoice, Raster};
@@ -83,12 +83,7 @@ impl FrameWorker {
         loop {
             match next(inbox, &mut self.open) {
                 Task::Over => return,
-                Task::Watch => {
-                    let Changed { shot, scene, plates } = self.watch.look();
-                    shot.then(|| sender.send(Reply::ShotWritten));
-                    scene.then(|| sender.send(Reply::SceneWritten));
-                    (!plates.is_empty()).then(|| sender.send(Reply::PlatesWritten(plates)));
-                }
+                Task::Watch => self.look_at_files(sender),
                 Task::Answer(question) => sender.send(self.answer(question)),
                 Task::Job(mut job, serial) => {
                     let interrupts = Interrupts { inbox, serial };
@@ -107,6 +102,13 @@ impl FrameWorker {
         }
     }
 
+    fn look_at_files(&mut self, sender: &ReplySender) {
+        let Changed { shot, scene, plates } = self.watch.look();
+        shot.then(|| sender.send(Reply::ShotWritten));
+        scene.then(|| sender.send(Reply::SceneWritten));
+        (!plates.is_empty()).then(|| sender.send(Reply::PlatesWritten(plates)));
+    }
+
     fn work(&mut self, job: &mut Job, interrupts: &Interrupts, sender: &ReplySender) -> Result<(), PipelineError> {
         self.load(job, sender)?;
         match job.purpose.clone() {
@@ -121,11 +123,16 @@ impl FrameWorker {
             let next = job.next.remove(0);
             self.play_frame(next, job, sender)?;
         }
-        // Before the range is solved over time, no report is that of the rendered frame.
+        // Before the range is solved over time, reports would not match the rendered frames.
         let is_settled = self.open.as_ref().is_some_and(|open| open.prepared().is_settled());
+        let mut looked = Instant::now();
         while is_settled && !interrupts.is_stale() && !job.reports.is_empty() {
             let frame = job.reports.remove(0);
-            self.report_frame(frame, job.revision, sender)?;
+            self.report_frame(frame, job.revision, sender);
+            if looked.elapsed() >= WATCH {
+                self.look_at_files(sender);
+                looked = Instant::now();
+            }
         }
         Ok(())
     }
@@ -157,13 +164,17 @@ impl FrameWorker {
         if rework > Rework::Nothing && job.purpose != Purpose::Paint {
             self.seen = None;
         }
+        if rework > Rework::Nothing {
+            // The frames that it remembers are those of the old shot.
+            self.jerk = JerkMeter::default();
+        }
         let Some(open) = &self.open else { return Ok(()) };
         if rework == Rework::Scene {
             self.device = None;
             if open.prepared().needs_raster() {
                 self.device = Some(raster::open(&self.choice, &open.prepared().scene)?.0);
             }
-            (self.drafts, self.still_ms, self.jerk) = (DraftSize::default(), 0.0, JerkMeter::default());
+            (self.drafts, self.still_ms) = (DraftSize::default(), 0.0);
         }
         if rework == Rework::Scene || is_other {
             self.watch.keep(open.given(), &open.prepared().scene.files_beside);
@@ -280,13 +291,15 @@ impl FrameWorker {
         self.draw((frame, job), (&sample, &KeptParts::default(), quality), (PLAY_MS, &|| false), sender)
     }
 
-    fn report_frame(&mut self, frame: i32, revision: u64, sender: &ReplySender) -> Result<(), PipelineError> {
-        let Some(open) = &self.open else { return Ok(()) };
-        let sample = open.prepared().mid_exposure(frame)?;
-        let mut report = report(open.prepared(), frame, &sample);
-        self.jerk.watch(open.prepared(), &sample, &mut report);
-        sender.send(Reply::Reported(revision, frame, Box::new(report)));
-        Ok(())
+    /// Reports a frame without drawing it. The report of one that cannot be solved has no figures; who goes there is told why.
+    fn report_frame(&mut self, frame: i32, revision: u64, sender: &ReplySender) {
+        let Some(open) = &self.open else { return };
+        let mut told = FrameReport { frame, ..FrameReport::default() };
+        if let Ok(sample) = open.prepared().mid_exposure(frame) {
+            told = report(open.prepared(), frame, &sample);
+            self.jerk.watch(open.prepared(), &sample, &mut told);
+        }
+        sender.send(Reply::Reported(revision, frame, Box::new(told)));
     }
 
     fn drag(&mut self, job: &Job, layers: &[usize], sender: &ReplySender) -> Result<(), PipelineError> {
@@ -337,7 +350,8 @@ impl FrameWorker {
         let Some(open) = &self.open else { return };
         let marks = [layer_marks(open.prepared(), sample), resting_marks(open.prepared(), sample)].concat();
         let mut solved = self.solved(job, (sample, is_final), marks);
-        if let Some(open) = &self.open {
+        // A provisional sample would be remembered as the frame.
+        if let Some(open) = self.open.as_ref().filter(|_| is_final) {
             self.jerk.watch(open.prepared(), sample, &mut solved.report);
         }
         sender.send(Reply::Solved(Arc::new(solved)));

@@ -74,7 +74,7 @@ fn set_dims(prepared: &mut PreparedShot, index: usize, chosen: [usize; 2]) {
 /// finest lattice. Returns the dims if they grew.
 fn refined(prepared: &mut PreparedShot, index: usize, chosen: [usize; 2]) -> Option<[usize; 2]> {
     let (mut dims, mut left) = (chosen, FarApart::of(prepared, index)?);
-    while !left.is_empty() && dims.iter().all(|count| *count < HANDLES[1]) {
+    while !left.is_empty() && dims.iter().any(|count| *count < HANDLES[1]) {
         dims = dims.map(|count| ((count as f64 * FINER).ceil() as usize).min(HANDLES[1]));
         set_dims(prepared, index, dims);
         left = FarApart::of(prepared, index)?;

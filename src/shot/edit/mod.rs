@@ -28,7 +28,8 @@ pub(crate) use rename::rename_layer;
 pub(crate) use rename::rename_pin;
 pub(crate) use setting::Setting;
 pub(crate) use setting::{
-    add_layer, layer_number, move_layer, put_box, put_layer_setting, put_pin_setting, put_setting, remove_layer,
+    add_layer, has_pin_setting, layer_number, move_layer, put_box, put_layer_setting, put_pin_setting, put_setting,
+    remove_layer,
 };
 
 pub(crate) use stroke::{add_stroke, remove_strokes};

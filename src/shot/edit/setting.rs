@@ -85,6 +85,14 @@ pub(crate) fn put_pin_setting(text: &str, at: PinName, key: &str, setting: &Sett
     })
 }
 
+/// Returns whether a pin's table has a key of its own.
+#[must_use]
+pub(crate) fn has_pin_setting(text: &str, at: PinName, key: &str) -> bool {
+    let mut is_there = false;
+    let found = edit_pin(text, at, |pin| is_there = pin.contains_key(key));
+    found.is_ok() && is_there
+}
+
 /// Returns a number in a layer's table; `None` if it is not set.
 #[must_use]
 pub(crate) fn layer_number(text: &str, layer: &str, key: &[&str]) -> Option<f64> {

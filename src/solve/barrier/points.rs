@@ -140,7 +140,7 @@ impl<const D: usize> BarrierPoints<D> {
             let curvatures: Vec<_> = round.par_iter().map(of_block).collect();
             for (points, (rows, by_sign)) in round.iter().zip(curvatures) {
                 let factor = 0.5 * scale * self.shares[points[0].place[0]];
-                for (sign, gram) in SIGNS.into_iter().zip(by_sign) {
+                for (sign, gram) in SIGNS.into_iter().zip(by_sign).filter(|(_, gram)| !gram.is_empty()) {
                     normal.add_gram(sign * factor, &rows, &gram);
                 }
             }
@@ -169,7 +169,7 @@ impl<const D: usize> BarrierPoints<D> {
                 }
             }
         }
-        by_sign.iter_mut().for_each(|gram| dispatch(Sum(gram)));
+        by_sign.iter_mut().filter(|gram| !gram.is_empty()).for_each(|gram| dispatch(Sum(gram)));
         (rows, by_sign)
     }
 

@@ -48,6 +48,11 @@ impl GramMatrix {
         })
     }
 
+    /// Whether there are no rows.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// Column b of the Gram matrix, from its diagonal on.
     pub(crate) fn column(&self, b: usize) -> &[f64] {
         &self.sums[b * self.width + b..b * self.width + self.count]
