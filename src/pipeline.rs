@@ -33,6 +33,7 @@ pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
 pub(crate) use draw::jerk::JerkMeter;
 pub(crate) use draw::passes::{PassPlan, plan_passes};
 pub use draw::report::report;
+pub(crate) use draw::report::warnings_of_layer;
 pub use error::PipelineError;
 pub(crate) use evaluate::screen_layer::{LayerSolver, LayerTask};
 pub use evaluate::time_sample::{LayerState, TimeSample, WorldSolution};

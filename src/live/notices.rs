@@ -43,7 +43,7 @@ impl Warp {
             Warning::Text(text) => Notice { subject: text.clone(), text: text.clone() },
             Warning::BorderGivesWay { pin, by } => {
                 let (name, by) = (self.name_of(*pin, wording), pixels(by * wording.pixels));
-                let text = format!("pin {name} is dragged to the border or past it; the border moves by {by} there");
+                let text = format!("pin {name} comes too close to the border for its path; the border moves by {by} there");
                 Notice { subject: format!("border at pin {name}"), text }
             }
             Warning::OffModel { pin, at, frame } => {

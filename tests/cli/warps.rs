@@ -97,6 +97,23 @@ fn layers_that_bend_each_others_parts_are_reported_once() {
     assert!(!ended.stderr.contains("have no matte"), "{}", ended.stderr);
 }
 
+/// Two pins that change places cannot both be met, and one that leaves the frame takes the border along.
+#[test]
+fn missed_pins_and_displaced_borders_are_told() {
+    let shot = SHOT.replace(
+        "[output]",
+        "[[layer.pin]]\nname = \"gone\"\nanchor = { screen = [0.1, 0.5] }\nkeys = [{ frame = 1, offset = [-0.2, 0.0] }]\n\n\
+         [[layer.pin]]\nname = \"here\"\nanchor = { screen = [1.2, 0.5] }\nkeys = [{ frame = 1, offset = [0.2, 0.0] }]\n\n\
+         [[layer.pin]]\nname = \"there\"\nanchor = { screen = [1.4, 0.5] }\nkeys = [{ frame = 1, offset = [-0.2, 0.0] }]\n\n\
+         [output]",
+    );
+    let bench = bench(&shot);
+    let words = ["pin 'gone' comes too close to the border", "pin 'here' is ", "pin 'there' is "];
+    for command in ["warp --shot shot.toml", "export shot.toml --to stmap -o maps/m.####.exr"] {
+        bench.run(command).says(0, &words);
+    }
+}
+
 #[test]
 fn json_lines_tell_what_was_done() {
     let bench = bench(SHOT);

@@ -137,7 +137,10 @@ fn the_border_gives_way_to_a_pin_that_is_dragged_past_it_and_says_so() {
         assert!(found.miss_px <= MET && found.ratio <= 1.5 && found.min_det > 0.0, "{by}: {found:?}");
         assert!(found.border_px > 0.3 * by && found.border_px < 1.5 * (30.0 + by), "{by}: {found:?}");
         let notices = warp.notices(&wording(&case));
-        assert!(notices.len() == 1 && notices[0].text.starts_with("pin 1 is dragged to the border"), "{notices:?}");
+        assert!(
+            notices.len() == 1 && notices[0].text.starts_with("pin 1 comes too close to the border"),
+            "{notices:?}"
+        );
         // Far from the pin the border rests.
         let corner = ScreenPoint::new(0.0, 1.0);
         assert_eq!(warp.field.carry(corner).0, corner.0);

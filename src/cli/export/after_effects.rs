@@ -105,9 +105,7 @@ impl<'a> Displacement<'a> {
         let reach = f64::from(note.reach_px);
         let written = write_frames(args, (maps, sequence), |path, metadata| {
             let map = maps.map(metadata.frame, drawings.as_mut())?;
-            if let Some(note) = maps.fold_note(metadata.frame, &map) {
-                writeln!(io::stderr(), "warning: {note}")?;
-            }
+            maps.warn((metadata.frame, &map), prepared)?;
             Ok(write_codes(path, maps.pixels(), &displacement(&map, reach), metadata)?)
         })?;
         replace_text(note_path, &note.text())?;

@@ -10,7 +10,7 @@ use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePat
 use crate::lattice::Lattice;
 use crate::pipeline::{
     PreparedShot, Silhouette, SurfaceMaps, Todo, digest_with, fields_of, lattices_of_file, parts_of_file,
-    refuse_existing,
+    refuse_existing, warnings_of_layer,
 };
 use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
@@ -248,8 +248,24 @@ impl Maps {
         Ok(Drawings::Silhouette(Box::new(Silhouette::of(prepared, only))))
     }
 
+    /// Prints what is wrong with a frame: targets that its layers miss, borders that are displaced, folds of its map.
+    pub(super) fn warn(&self, (frame, map): (i32, &WarpMap), prepared: Option<&PreparedShot>) -> anyhow::Result<()> {
+        let mut warnings = Vec::new();
+        if let Some(prepared) = prepared {
+            let sample = prepared.mid_exposure(frame)?;
+            let layers = self.lattices.layers.iter().filter_map(|track| prepared.shot.layer_index(&track.name));
+            let told = layers.flat_map(|layer| warnings_of_layer(prepared, layer, &sample));
+            warnings.extend(told.map(|warning| format!("frame {frame}: {warning}")));
+        }
+        warnings.extend(self.fold_note(frame, map));
+        for warning in warnings {
+            writeln!(io::stderr(), "warning: {warning}")?;
+        }
+        Ok(())
+    }
+
     /// Describes the folds of a frame's map; `None` if there are none.
-    pub(super) fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
+    fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
         let pixels = pluralised(map.folded_pixels.len(), "pixel", "pixels");
         let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
         let layers = match &names[..] {

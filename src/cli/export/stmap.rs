@@ -28,9 +28,7 @@ pub(super) fn write(
     let sequence = check_frames(args, (pattern, &maps.inputs), &maps.frames)?;
     write_frames(args, (maps, &sequence), |path, metadata| {
         let map = maps.map(metadata.frame, drawings.as_mut())?;
-        if let Some(note) = maps.fold_note(metadata.frame, &map) {
-            writeln!(io::stderr(), "warning: {note}")?;
-        }
+        maps.warn((metadata.frame, &map), prepared)?;
         Ok(write_exr(path, &stmap_of(&map), metadata, Compression::Zip)?)
     })
 }

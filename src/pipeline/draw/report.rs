@@ -35,8 +35,7 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         }
         let Some(solve) = state.report().cloned() else { continue };
         let errors_px = pin_errors_px(sample, state, height_px);
-        report.warnings.extend(pin_warnings(layer, state, (&solve, &errors_px), height_px));
-        report.warnings.extend(handle_warnings(layer, &solve, height_px));
+        report.warnings.extend(target_warnings(layer, state, (&solve, &errors_px), height_px));
         report.warnings.extend(fold_warning(layer, &solve, branching_remedy(&prepared.shot, layer)));
         let anchors = prepared.anchors_of(index);
         let told = shared_cells::warning((&prepared.shot, layer, anchors), state, &solve, height_px);
@@ -55,7 +54,6 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
             None => {}
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
-        report.warnings.extend(border_warnings(layer, state, height_px));
         report.warnings.extend(order_warning(prepared, index, sample));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
@@ -67,6 +65,26 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         });
     }
     report
+}
+
+/// Returns the warnings about targets that the solves of a layer miss, and about borders that are displaced.
+pub(crate) fn warnings_of_layer(prepared: &PreparedShot, index: usize, sample: &TimeSample) -> Vec<String> {
+    let (layer, state) = (&prepared.shot.layers[index], &sample.layers[index]);
+    let height_px = f64::from(prepared.shot.size.height);
+    let Some(solve) = state.report() else { return Vec::new() };
+    target_warnings(layer, state, (solve, &pin_errors_px(sample, state, height_px)), height_px)
+}
+
+fn target_warnings(
+    layer: &Layer,
+    state: &LayerState,
+    (solve, errors_px): (&SolveReport, &[f64]),
+    height_px: f64,
+) -> Vec<String> {
+    let mut warnings = pin_warnings(layer, state, (solve, errors_px), height_px);
+    warnings.extend(handle_warnings(layer, solve, height_px));
+    warnings.extend(border_warnings(layer, state, height_px));
+    warnings
 }
 
 /// Returns the warning that an order has no effect, because the picture is one part.
@@ -147,7 +165,7 @@ fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<Str
     let told = |&(pin, by): &(usize, f64)| {
         let (layer, pin, by) = (&layer.name, &layer.pins[state.pins[pin].pin].name, by * height_px);
         format!(
-            "layer '{layer}': pin '{pin}' is dragged to the border or past it, which is displaced there by {by:.1} px"
+            "layer '{layer}': pin '{pin}' comes too close to the border for its path, so the border is displaced there by {by:.1} px"
         )
     };
     state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()

@@ -14,7 +14,7 @@ use super::{PlateWarp, WarpDirection, WarpJob, WarpReport, whole_scene};
 use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
-use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file};
+use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file, warnings_of_layer};
 use crate::plate::{
     Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
 };
@@ -185,6 +185,9 @@ impl<'a> Stage<'a> {
         let (warped, mut report) = self.warper.warp(plate, &job)?;
         if let PlateWarp::Shot(prepared) = &self.job.warp {
             report.warnings.extend(whole_scene::warning(prepared, &layer_of_job, (frame, plate))?);
+            let sample = prepared.mid_exposure(frame)?;
+            let told = self.plan.layers.iter().flat_map(|&layer| warnings_of_layer(prepared, layer, &sample));
+            report.warnings.extend(told);
         }
         Ok((warped, report, found.source))
     }

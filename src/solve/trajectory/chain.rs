@@ -35,6 +35,9 @@ const MAX_WEIGHT_UPDATES: usize = 30;
 /// long. In the plane hardly any chain needs a third of them.
 const MAX_RELAXATIONS: [usize; 2] = [1000, 100];
 
+/// Number of relaxations for which one counts where the barrier acts, because it takes about so many times as long.
+const GUARDED_COST: usize = 10;
+
 /// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
 
@@ -252,13 +255,13 @@ impl<'a, const D: usize> Chain<'a, D> {
             self.cancel.check()?;
             let is_due = |hold: &usize| hold % 2 == half_sweep % 2 && std::mem::take(&mut is_stale[*hold]);
             let due: Vec<usize> = (0..count).filter(is_due).collect();
-            for (hold, Relaxed { moved, is_converged }) in self.relax(&due)? {
+            for (hold, Relaxed { moved, is_converged, cost }) in self.relax(&due)? {
+                self.remaining = self.remaining.saturating_sub(cost);
                 if moved > tolerance * self.diagonal {
                     is_stale[hold.saturating_sub(1)..(hold + 2).min(count)].fill(true);
                     is_stale[hold] = !is_converged;
                 }
             }
-            self.remaining = self.remaining.saturating_sub(due.len());
             if !is_stale.contains(&true) || self.remaining == 0 {
                 break;
             }
@@ -463,10 +466,12 @@ struct Relaxed {
     moved: f64,
     /// Whether its minimum was reached.
     is_converged: bool,
+    /// Number of relaxations for which it counts.
+    cost: usize,
 }
 
 impl Relaxed {
-    const NONE: Self = Self { moved: 0.0, is_converged: true };
+    const NONE: Self = Self { moved: 0.0, is_converged: true, cost: 1 };
 }
 
 /// Minimises over a knot whose neighbours have these states and weights.
@@ -486,5 +491,6 @@ fn relax<const D: usize>(
     };
     let before = knot.displacement.clone();
     let result = knot.solve_proximal((&drawn_to, &weights), Descent::Warm, &Cancel::never())?;
-    Ok(Relaxed { moved: before.farthest(&knot.displacement), is_converged: result.is_converged })
+    let cost = if knot.system.is_free_of_barrier(&result.handles) { 1 } else { GUARDED_COST };
+    Ok(Relaxed { moved: before.farthest(&knot.displacement), is_converged: result.is_converged, cost })
 }
