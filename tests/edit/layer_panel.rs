@@ -168,7 +168,7 @@ fn a_layer_is_moved_into_the_scene_and_its_box_fixed() {
     settled(&mut window);
     choose(&mut window, "Space", "screen");
     settled(&mut window);
-    assert!(says(&window, "Not kept: the fixed box"), "{:?}", session(&window).message());
+    assert!(says(&window, "Not kept: the dims, the fixed box"), "{:?}", session(&window).message());
     assert_eq!(session(&window).marks()[0].handles.len(), 100);
     for _ in 0..changes(&window).len() {
         undo(&mut window);

@@ -69,7 +69,7 @@ fn rename_followed(layers: &mut Item, names: &[(&str, &str)], (key, name): (&str
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "editor"))]
 mod tests {
     use super::*;
 
