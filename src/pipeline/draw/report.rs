@@ -34,8 +34,7 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         }
         let Some(solve) = state.report().cloned() else { continue };
-        let errors_px = pin_errors_px(sample, state, height_px);
-        report.warnings.extend(target_warnings(layer, state, (&solve, &errors_px), height_px));
+        report.warnings.extend(warnings_of_layer(prepared, index, sample));
         report.warnings.extend(fold_warning(layer, &solve, branching_remedy(&prepared.shot, layer)));
         let anchors = prepared.anchors_of(index);
         let told = shared_cells::warning((&prepared.shot, layer, anchors), state, &solve, height_px);
@@ -58,7 +57,7 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
             layer: layer.name.clone(),
-            pin_error_px: greatest(&errors_px),
+            pin_error_px: greatest(&pin_errors_px(sample, state, height_px)),
             pin_error_metres: state.world.is_some().then(|| greatest(&solve.pin_errors)),
             jerk: None,
             solve,
@@ -72,16 +71,8 @@ pub(crate) fn warnings_of_layer(prepared: &PreparedShot, index: usize, sample: &
     let (layer, state) = (&prepared.shot.layers[index], &sample.layers[index]);
     let height_px = f64::from(prepared.shot.size.height);
     let Some(solve) = state.report() else { return Vec::new() };
-    target_warnings(layer, state, (solve, &pin_errors_px(sample, state, height_px)), height_px)
-}
-
-fn target_warnings(
-    layer: &Layer,
-    state: &LayerState,
-    (solve, errors_px): (&SolveReport, &[f64]),
-    height_px: f64,
-) -> Vec<String> {
-    let mut warnings = pin_warnings(layer, state, (solve, errors_px), height_px);
+    let errors_px = pin_errors_px(sample, state, height_px);
+    let mut warnings = pin_warnings(layer, state, (solve, &errors_px), height_px);
     warnings.extend(handle_warnings(layer, solve, height_px));
     warnings.extend(border_warnings(layer, state, height_px));
     warnings
