@@ -300,7 +300,7 @@ impl Push {
 }
 
 /// Returns the distance of a point from the border of a box, negative outside.
-pub(super) fn inside(bounds: ScreenBox, point: DVec2) -> f64 {
+fn inside(bounds: ScreenBox, point: DVec2) -> f64 {
     (point - bounds.min.0).min(bounds.max.0 - point).min_element()
 }
 

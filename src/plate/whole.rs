@@ -8,7 +8,7 @@
 //! ```
 
 use super::extrapolation::ExtrapolatedLattice;
-use super::flow::{Flow, FlowPin, inside};
+use super::flow::{Flow, FlowPin};
 use super::ramp::Ramp;
 use crate::lattice::ScreenLattice;
 use crate::space::{ScreenBox, ScreenPoint};
@@ -26,8 +26,10 @@ const AMPLIFY: [f64; 2] = [1.04, 1.4];
 const STEEPER: [f64; 2] = [1.2, 0.1];
 /// Sample points per span of the lattice, and their minimum and maximum per axis.
 const LOOKS: (usize, [usize; 2]) = (6, [48, 160]);
-/// The border gives way if a pin comes closer to it than this fraction of its path.
+/// The border gives way if a pin comes closer to it than this fraction of its path towards the border and along it.
 const NEAR: f64 = 0.1;
+/// The border gives way to a pin that leaves it inwards from a rest point closer than this, in frame heights: a pixel at HD.
+const EDGE: f64 = 1e-3;
 /// The disc of such a pin reaches beyond the border by this multiple of the missing distance.
 const GIVE: f64 = 3.0;
 /// Reach of rotated and scaled pins, in frame heights.
@@ -112,10 +114,20 @@ impl WholePin {
         (self.target.0 - self.rest.0) * self.weight
     }
 
-    /// Returns how far the border gives way to the pin.
+    /// Returns how far the border gives way to the pin. A pin that moves away from a side of the frame stretches what
+    /// lies between; a border that followed it would leave a hole.
     fn give(&self, bounds: ScreenBox) -> f64 {
-        let room = inside(bounds, self.rest.0).min(inside(bounds, self.rest.0 + self.way()));
-        GIVE * (NEAR * self.way().length() - room).clamp(0.0, 1.0 / GIVE)
+        let (rest, way) = (self.rest.0, self.way());
+        let length = way.length();
+        let missing = |axis: usize, outwards: f64, side: f64| {
+            let room = (outwards * (side - rest[axis])).min(outwards * (side - rest[axis] - way[axis]));
+            let inwards = -outwards * way[axis];
+            let stays_near = if inwards > 0.0 { (way[1 - axis].abs() - inwards).max(0.0) } else { length };
+            (NEAR * length).min(EDGE).max(NEAR * stays_near) - room
+        };
+        let sides =
+            [0, 1].map(|axis| missing(axis, -1.0, bounds.min.0[axis]).max(missing(axis, 1.0, bounds.max.0[axis])));
+        GIVE * sides[0].max(sides[1]).clamp(0.0, 1.0 / GIVE)
     }
 
     /// Returns how far a rotation and a scale move the surroundings of the pin.

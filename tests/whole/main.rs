@@ -148,6 +148,25 @@ fn the_border_gives_way_to_a_pin_that_is_dragged_past_it_and_says_so() {
 }
 
 #[test]
+fn the_border_rests_where_a_pin_is_dragged_away_from_it() {
+    for frame in FRAMES {
+        let [width, height] = [f64::from(frame.width), f64::from(frame.height)];
+        for (at, inwards) in [
+            ([5.0, 0.5 * height], [1.0, 0.0]),
+            ([3.0, 0.3 * height], [1.0, 0.4]),
+            ([width - 5.0, 0.7 * height], [-1.0, -0.1]),
+            ([0.4 * width, 5.0], [0.0, 1.0]),
+            ([5.0, height - 5.0], [0.7, -0.7]),
+        ] {
+            for by in [20.0, 96.0, 300.0] {
+                let case = Case { frame, moves: vec![(at, inwards.map(|part| part * by))] };
+                assert_whole(&case, Basis::Bspline);
+            }
+        }
+    }
+}
+
+#[test]
 fn pins_that_contradict_each_other_stop_and_are_reported() {
     let frame = FRAMES[0];
     let case = Case {
