@@ -126,6 +126,11 @@ fn look(motion: &Motion) -> Finding {
 
 /// Findings of many random animations, on all cores.
 fn look_at_many(seeds: std::ops::Range<u64>, shortening: f64, weight: f64) -> Vec<Finding> {
+    look_at_limbs(seeds, weight, |seed| Limb::random(seed, shortening, LAST))
+}
+
+/// Findings of the animations of many limbs, on all cores.
+fn look_at_limbs(seeds: std::ops::Range<u64>, weight: f64, limb: impl Fn(u64) -> Limb + Sync) -> Vec<Finding> {
     let next = AtomicUsize::new(seeds.start as usize);
     let threads: Vec<Vec<(u64, Finding)>> = std::thread::scope(|scope| {
         let work = || {
@@ -135,7 +140,7 @@ fn look_at_many(seeds: std::ops::Range<u64>, shortening: f64, weight: f64) -> Ve
                 if seed >= seeds.end {
                     return found;
                 }
-                found.push((seed, look(&Motion::new(&Limb::random(seed, shortening, LAST), weight))));
+                found.push((seed, look(&Motion::new(&limb(seed), weight))));
             }
         };
         let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
@@ -165,13 +170,18 @@ fn tell(name: &str, findings: &[Finding]) {
 }
 
 #[test]
-#[ignore = "minutes; PINWARP_LIMBS=first..end, PINWARP_WEIGHT"]
+#[ignore = "minutes; PINWARP_LIMBS=count, PINWARP_SHORT, PINWARP_WEIGHT, PINWARP_GUARDED=1"]
 fn many_random_limbs() {
     let var = |name: &str, default: f64| std::env::var(name).ok().and_then(|x| x.parse().ok()).unwrap_or(default);
     let count = var("PINWARP_LIMBS", 500.0) as u64;
     let weight = var("PINWARP_WEIGHT", WEIGHT);
     let begun = std::time::Instant::now();
-    tell(&format!("weight {weight}"), &look_at_many(0..count, var("PINWARP_SHORT", 0.3), weight));
+    let (shortening, is_guarded) = (var("PINWARP_SHORT", 0.3), var("PINWARP_GUARDED", 0.0) > 0.0);
+    let limb = |seed| {
+        let limb = Limb::random(seed, shortening, LAST);
+        if is_guarded { limb.guarded() } else { limb }
+    };
+    tell(&format!("weight {weight}"), &look_at_limbs(0..count, weight, limb));
     eprintln!("{:.1} s", begun.elapsed().as_secs_f64());
 }
 

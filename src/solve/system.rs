@@ -108,7 +108,7 @@ impl<const D: usize> System<D> {
     ) -> Result<Self, SolveError> {
         validate::problem(problem)?;
         let (grid, settings) = (problem.grid, problem.settings);
-        let warnings = shape_warnings(problem);
+        let warnings = validate::shape_warnings(problem);
         if let Some(branching) = Branching::of(problem)? {
             let settings = &settings_for(grid, settings);
             let problem = &Problem { settings, ..*problem };
@@ -275,21 +275,27 @@ impl<const D: usize> System<D> {
     }
 
     /// Whether the second derivative of the energy with a proximal term of the given weights is positive definite at `handles`.
-    /// True if the energy does not implement its second derivative, false where the barrier acts.
+    /// False where pins give way to the barrier. If the energy does not implement its second derivative, true where the barrier
+    /// does not act.
     pub(crate) fn is_convex(&self, handles: &[[f64; D]], weights: &PointWeights, cancel: &Cancel) -> bool {
-        if self.barrier.as_ref().is_some_and(|barrier| !barrier.is_clear(handles)) {
+        let barrier = self.barrier.as_ref().filter(|barrier| !barrier.is_clear(handles));
+        if barrier.is_some() && self.gives_way(handles) {
             return false;
         }
         if self.distortion.flops().is_none() || self.terms.proximal.len() == 0 {
-            return true;
+            return barrier.is_none();
         }
         let mut normal = self.softened(&self.constant, &self.terms, cancel);
         let mut proximal = self.terms.proximal.clone();
         weights.share(&mut proximal);
         proximal.add_normal(weights.greatest(), &mut normal, cancel);
+        let normal = if let Some(barrier) = barrier { normal.widened(barrier.bandwidth()) } else { normal };
         let mut second = normal.kron_identity::<D>(Vec::new());
         let hessian = RotationHessian { scale: self.scales.shape, limit: f64::INFINITY };
         self.distortion.subtract_rotation_hessian(handles, hessian, &mut second, cancel);
+        if let Some(barrier) = barrier {
+            barrier.add_curvature(handles, self.scales.shape * self.distortion.mass(), &mut second);
+        }
         Factorization::of_positive(second, cancel).is_some()
     }
 
@@ -581,19 +587,4 @@ fn moved_unknowns<'a, const D: usize>(
     handles: &'a [HandlePin<D>],
 ) -> Cow<'a, [HandlePin<D>]> {
     branching.map_or(Cow::Borrowed(handles), |branching| Cow::Owned(branching.moved_copies(handles)))
-}
-
-fn shape_warnings<const D: usize>(problem: &Problem<D>) -> Vec<String> {
-    let Problem { grid, shape, settings, .. } = *problem;
-    let is_inside = |corner: &u32| {
-        let point = shape.points[*corner as usize];
-        (0..D).all(|axis| (grid.lo[axis]..=grid.hi[axis]).contains(&point[axis]))
-    };
-    let mut warnings: Vec<String> = energy::fitting(shape, settings).1.into_iter().collect();
-    let mut corners = shape.triangles.iter().flatten().chain(shape.strokes.iter().flatten());
-    let is_empty = shape.triangles.is_empty() && shape.strokes.is_empty();
-    if !is_empty && !corners.any(is_inside) {
-        warnings.push("no corner of the shape lies inside the lattice box; check the box".into());
-    }
-    warnings
 }

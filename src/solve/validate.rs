@@ -1,7 +1,8 @@
 //! Validation of problems before any computation.
 //!
-//! In: a problem. Out: the first fault that is found, in words.
+//! In: a problem. Out: the first fault that is found, in words; warnings about its shape.
 
+use super::energy;
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Region, Shape};
 use crate::spelling::pluralised;
@@ -149,6 +150,22 @@ pub(crate) fn same_handles<const D: usize>(known: &[HandlePin<D>], given: &[Hand
 
 fn same_count(known: usize, given: usize, [one, many]: [&str; 2]) -> Result<(), SolveError> {
     if known == given { Ok(()) } else { Err(changed(format!("{} instead of {known}", pluralised(given, one, many)))) }
+}
+
+/// Warnings about the shape of a checked problem.
+pub(crate) fn shape_warnings<const D: usize>(problem: &Problem<D>) -> Vec<String> {
+    let Problem { grid, shape, settings, .. } = *problem;
+    let is_inside = |corner: &u32| {
+        let point = shape.points[*corner as usize];
+        (0..D).all(|axis| (grid.lo[axis]..=grid.hi[axis]).contains(&point[axis]))
+    };
+    let mut warnings: Vec<String> = energy::fitting(shape, settings).1.into_iter().collect();
+    let mut corners = shape.triangles.iter().flatten().chain(shape.strokes.iter().flatten());
+    let is_empty = shape.triangles.is_empty() && shape.strokes.is_empty();
+    if !is_empty && !corners.any(is_inside) {
+        warnings.push("no corner of the shape lies inside the lattice box; check the box".into());
+    }
+    warnings
 }
 
 fn finite<const D: usize>(values: &[f64; D], what: impl Fn() -> String) -> Result<(), SolveError> {

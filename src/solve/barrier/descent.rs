@@ -16,7 +16,7 @@ use crate::solve::minimization::{Minimization, MinimizationResult, largest_step}
 use crate::solve::newton::steps_left;
 
 /// Strength of the barrier, in units of the stiffness of the shape.
-const STRENGTH: f64 = 1.0;
+pub(super) const STRENGTH: f64 = 1.0;
 
 /// Fraction of the distance to the pole that a step may take.
 pub(super) const CAUTION: f64 = 0.9;

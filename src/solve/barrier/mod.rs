@@ -14,7 +14,9 @@ mod potential;
 mod reactions;
 
 use super::cancel::Cancel;
+use super::linalg::normal_matrix::NormalMatrix;
 use crate::lattice::{Grid, Lattice};
+use descent::STRENGTH;
 pub(crate) use points::BarrierPart;
 use points::{BarrierPoints, CellOfPart, FINE};
 use potential::ACTIVATION_DET;
@@ -48,6 +50,18 @@ impl<const D: usize> Barrier<D> {
         let least = self.rough.min_det(handles, SURELY_CLEAR);
         let is_clear = || self.points().min_det(handles, ACTIVATION_DET) >= ACTIVATION_DET;
         least >= SURELY_CLEAR || least >= ACTIVATION_DET && is_clear()
+    }
+
+    /// Largest difference between handle indices that share an entry of [`Self::add_curvature`].
+    pub(crate) fn bandwidth(&self) -> usize {
+        self.points().bandwidth()
+    }
+
+    /// Adds half the second derivative of the barrier's energy to the matrix of all coordinates (row D·handle + coordinate).
+    /// `stiffness` is that of the shape, the unit of the energy.
+    pub(crate) fn add_curvature(&self, handles: &[[f64; D]], stiffness: f64, normal: &mut NormalMatrix) {
+        let (_, penalised) = self.points().energy(handles);
+        self.points().add_curvature(STRENGTH * stiffness, &penalised, false, normal);
     }
 
     /// Smallest det J at the coarse points, at most 0.2.

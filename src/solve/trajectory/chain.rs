@@ -38,6 +38,9 @@ const MAX_RELAXATIONS: [usize; 2] = [1000, 100];
 /// Number of relaxations for which one counts where the barrier acts, because it takes about so many times as long.
 const GUARDED_COST: usize = 10;
 
+/// Same where pins give way to the barrier. The pose contradicts itself there, and no weight makes the pins arrive.
+const YIELDING_COST: usize = 100;
+
 /// A move of a knot's points by less than this, in box diagonals, does not make its neighbours be solved again.
 const TOLERANCE: f64 = 2e-5;
 
@@ -491,6 +494,10 @@ fn relax<const D: usize>(
     };
     let before = knot.displacement.clone();
     let result = knot.solve_proximal((&drawn_to, &weights), Descent::Warm, &Cancel::never())?;
-    let cost = if knot.system.is_free_of_barrier(&result.handles) { 1 } else { GUARDED_COST };
+    let cost = match (knot.system.is_free_of_barrier(&result.handles), result.has_given_way) {
+        (true, _) => 1,
+        (false, false) => GUARDED_COST,
+        (false, true) => YIELDING_COST,
+    };
     Ok(Relaxed { moved: before.farthest(&knot.displacement), is_converged: result.is_converged, cost })
 }
