@@ -57,7 +57,7 @@ pub(crate) use branching::nearest_barycentric;
 pub(crate) use linalg::small_matrix::symmetric_eigen;
 
 pub(crate) use branching::Bending;
-pub(crate) use branching::{BranchedLattice, Link};
+pub(crate) use branching::{BranchedLattice, Crossing, Link};
 pub(crate) use branching::{FarPoints, far_points};
 pub(crate) use branching::{LinkEnd, LinkKind};
 pub(crate) use branching::{
