@@ -182,18 +182,39 @@ fn offset_step(pixel: vec2<i32>, step: vec2<i32>) -> OffsetStep {
     return OffsetStep(by, !is_nan(by.x) && !is_nan(by.y));
 }
 
-/// Derivative of the offsets along an axis, per pixel: the shorter of the differences to both neighbours. At the border
-/// of the map the next difference stands for the missing one. 0 if there is none.
-fn steepness(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
-    let at = push.first + pixel;
-    let is_first = any(at - step < vec2<i32>(0));
-    let is_last = any(at + step >= push.offset_count);
-    let before = offset_step(select(pixel - step, pixel + step, is_first), step);
-    let after = offset_step(select(pixel, pixel - 2 * step, is_last), step);
+/// Offsets that change by less than this per pixel are on one surface: `TEAR` in footprint.rs.
+const TEAR: f32 = 0.5;
+
+/// Whether a change of the offsets is steep and differs from the next one on the same side, as across a tear.
+fn is_torn(by: OffsetStep, next: OffsetStep) -> bool {
+    let gap = by.by - next.by;
+    let is_steep = dot(by.by, by.by) > TEAR * TEAR;
+    return next.is_known && is_steep && dot(gap, gap) > TEAR * TEAR * max(dot(next.by, next.by), 1.0);
+}
+
+/// The shorter of two differences; the other if one is unknown, 0 if both are.
+fn shorter(before: OffsetStep, after: OffsetStep) -> vec2<f32> {
     if before.is_known && (!after.is_known || dot(before.by, before.by) <= dot(after.by, after.by)) {
         return before.by;
     }
     return select(vec2<f32>(0.0), after.by, after.is_known);
+}
+
+/// Derivative of the offsets along an axis, per pixel: the shorter of the differences to both neighbours that does not
+/// cross a tear. At the border of the map the next difference stands for the missing one. 0 if there is none.
+fn steepness(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
+    let at = push.first + pixel;
+    let is_first = any(at - step < vec2<i32>(0));
+    let is_last = any(at + step >= push.offset_count);
+    var before = offset_step(select(pixel - step, pixel + step, is_first), step);
+    var after = offset_step(select(pixel, pixel - 2 * step, is_last), step);
+    let least = shorter(before, after);
+    if dot(least, least) <= TEAR * TEAR {
+        return least;
+    }
+    before.is_known = before.is_known && !is_torn(before, offset_step(pixel - 2 * step, step));
+    after.is_known = after.is_known && !is_torn(after, offset_step(pixel + step, step));
+    return shorter(before, after);
 }
 
 fn shape_at(pixel: vec2<i32>) -> Shape {

@@ -54,7 +54,7 @@ pub use prepare::prepared_shot::PreparedShot;
 #[cfg(feature = "cli")]
 pub(crate) use run::contents::digest_with;
 pub use run::events::{Event, FrameReport, Redone, Summary};
-pub(crate) use run::events::{Jerk, LayerReport};
+pub(crate) use run::events::{Jerk, LayerNote, LayerReport};
 pub use run::options::Existing;
 pub use run::options::RenderOptions;
 pub(crate) use run::output::input_files;

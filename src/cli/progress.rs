@@ -4,12 +4,12 @@
 
 use super::outcome::OutputCutOff;
 use super::warnings::kind_of;
-use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, Summary, WarpEvent, WarpSummary};
+use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, LayerNote, Summary, WarpEvent, WarpSummary};
 use crate::solve::Spread;
 use crate::spelling::pluralised;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -36,6 +36,8 @@ pub(super) struct EventPrinter {
     bar: ProgressBar,
     begun: Instant,
     printed: Mutex<BTreeMap<String, usize>>,
+    /// The layers of which a note was printed.
+    noted: Mutex<BTreeSet<String>>,
     /// The first error of printing JSON.
     failed: Mutex<Option<io::Error>>,
 }
@@ -51,7 +53,14 @@ impl EventPrinter {
         if let Ok(style) = style {
             bar.set_style(style);
         }
-        Self { form, bar, begun: Instant::now(), printed: Mutex::default(), failed: Mutex::default() }
+        Self {
+            form,
+            bar,
+            begun: Instant::now(),
+            printed: Mutex::default(),
+            noted: Mutex::default(),
+            failed: Mutex::default(),
+        }
     }
 
     /// Prints one event of a render.
@@ -63,7 +72,10 @@ impl EventPrinter {
             Event::Note { text } => self.line(&format!("note: {text}")),
             Event::FrameRedone(_) => {}
             Event::Started { device, frames, kept } => self.started(*frames, &format!(" on {device}"), *kept),
-            Event::FrameDone(report) => self.frame_done(report.frame, &report.path, &report.warnings),
+            Event::FrameDone(report) => {
+                self.notes(&report.notes);
+                self.frame_done(report.frame, &report.path, &report.warnings);
+            }
             Event::FrameFailed { frame, error } => self.frame_failed(*frame, error),
             Event::Finished(summary) => self.finished(&Totals::of_render(summary)),
         }
@@ -81,6 +93,7 @@ impl EventPrinter {
             WarpEvent::FrameDone(report) => {
                 let found = findings(report.hole_pixels, report.contained_samples);
                 let warnings: Vec<String> = report.warnings.iter().cloned().chain(found).collect();
+                self.notes(&report.notes);
                 self.frame_done(report.frame, &report.path, &warnings);
                 if !report.mattes.is_empty() {
                     let from = &report.mattes;
@@ -146,6 +159,16 @@ impl EventPrinter {
         let kept = if kept > 0 { format!(", {kept} kept") } else { String::new() };
         self.line(&format!("{}{place}{kept}", pluralised(frames, "frame", "frames")));
         self.print_scheduler_status(&format!("{} to make", pluralised(frames, "frame", "frames")));
+    }
+
+    /// Prints the first note of each layer.
+    fn notes(&self, notes: &[LayerNote]) {
+        for LayerNote { layer, text } in notes {
+            let is_new = self.noted.lock().unwrap_or_else(PoisonError::into_inner).insert(layer.clone());
+            if is_new {
+                self.line(&format!("note: {text}"));
+            }
+        }
     }
 
     fn frame_failed(&self, frame: i32, error: &str) {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 const MAX_TILE: [u32; 2] = [4096, 126];
 
 /// Border around a tile in pixels, needed by footprints.
-const RIM: u32 = 1;
+const RIM: u32 = 2;
 
 /// A tile of the image plane. The frame is divided into equal tiles; the grid continues around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,12 +16,14 @@ mod counting_sort;
 mod drag;
 mod energy;
 mod error;
+mod folds_on_polygons;
 mod least_squares;
 mod linalg;
 mod local_global;
 mod merge_duplicates;
 pub mod methods;
 mod minimization;
+mod model_folds;
 mod newton;
 mod newton_cg;
 mod overdetermined;
@@ -52,12 +54,12 @@ mod winding;
 mod yielding;
 mod yielding_rows;
 
-pub(crate) use active_cells::active_cells;
 pub(crate) use branching::nearest_barycentric;
 pub(crate) use linalg::small_matrix::symmetric_eigen;
+pub(crate) use model_folds::ModelCells;
 
 pub(crate) use branching::Bending;
-pub(crate) use branching::{BranchedLattice, Link};
+pub(crate) use branching::{BranchedLattice, Crossing, Link};
 pub(crate) use branching::{FarPoints, far_points};
 pub(crate) use branching::{LinkEnd, LinkKind};
 pub(crate) use branching::{

@@ -29,10 +29,10 @@ pub struct SolveReport {
     pub pin_residuals: Vec<PinResidual>,
     /// Number of folded cells, in 2D or 3D.
     pub folded_cells: usize,
-    /// Number of folded active cells, which contain some of the model; folds in other cells are invisible.
+    /// Number of cells that fold on the model; folds in what is empty are invisible.
     pub folded_model_cells: usize,
-    /// Lower bound, within 1e-3, of the smallest determinant of the gradient over the active cells. If it is above 0, nothing
-    /// folds. This is proven for all bases except Bernstein, whose cells are sampled.
+    /// Lower bound, within 1e-3, of the smallest determinant of the gradient over the model. If it is above 0, nothing
+    /// of it folds. This is proven for all bases except Bernstein, whose cells are sampled.
     pub min_cell_det: f64,
     /// Smallest determinant of the gradient over the samples.
     pub min_det: f64,

@@ -13,6 +13,7 @@ use super::linalg::factorization::Factorization;
 use super::linalg::normal_matrix::NormalMatrix;
 use super::linalg::small_matrix::{distance, dot};
 use super::minimization::{FinalPhase, Minimization, MinimizationResult};
+use super::model_folds::ModelCells;
 use super::pin_residuals::{Evidence, MIN_RESIDUAL};
 use super::point_weights::PointWeights;
 use super::prefactored::{Prefactored, Retargeted, TargetTerms};
@@ -51,8 +52,8 @@ pub(crate) struct System<const D: usize> {
     branching: Option<Arc<Branching<D>>>,
     /// The point of the shape that each pin holds, and its piece; empty if every handle is one unknown.
     snapped: Vec<([f64; D], usize)>,
-    /// Active cells; empty until [`Self::mark_active_cells`] is called.
-    is_active: Vec<bool>,
+    /// The cells that hold the model; empty until [`Self::mark_active_cells`] is called.
+    model_cells: ModelCells<D>,
     /// Barrier that keeps active cells from folding, if the settings ask for it.
     barrier: Option<Barrier<D>>,
     /// Stiffness of the shape at each unknown: the diagonal of the matrix of its energy.
@@ -96,7 +97,7 @@ impl<const D: usize> System<D> {
 
     /// Finds the active cells, which only reports need.
     pub(crate) fn mark_active_cells(&mut self, shape: &Shape<D>) {
-        self.is_active = active_cells(&self.grid, shape);
+        self.model_cells = ModelCells::of(&self.grid, shape);
     }
 
     /// Same as [`Self::new`], without active cells, and with points of the model for a proximal term
@@ -196,7 +197,7 @@ impl<const D: usize> System<D> {
             terms,
             branching: branching.map(Arc::new),
             snapped,
-            is_active: Vec::new(),
+            model_cells: ModelCells::default(),
             barrier,
             stiffness,
             warnings,
@@ -438,9 +439,9 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// Returns the folded cells of a lattice over the same grid, and which of them are active.
+    /// Returns the folded cells of a lattice over the same grid, and how many of them fold on the model.
     pub(crate) fn folds(&self, lattice: &Lattice<D>) -> Folds<D> {
-        lattice.folds(&self.is_active)
+        self.model_cells.folds(lattice)
     }
 
     /// Returns the solution of a problem without pins and moved handles: the grid at rest.

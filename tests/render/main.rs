@@ -14,6 +14,7 @@ mod boxes;
 mod branches;
 mod cameras;
 mod connectivity;
+mod crossing_limbs;
 mod data;
 mod far_apart;
 mod faults;

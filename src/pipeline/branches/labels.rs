@@ -62,7 +62,7 @@ impl LabelledPieces {
         let others = around.map(|samples| samples.map(|sample| Other::of(sample, layer)));
         let mut list: BTreeMap<Label, u32> = BTreeMap::new();
         let mut found = Vec::new();
-        let OrderedParts { list: parts, of_pieces } = OrderedParts::of(prepared, layer, (now, branches));
+        let OrderedParts { list: parts, of_pieces, .. } = OrderedParts::of(prepared, layer, (now, branches));
         for (&part, (triangle, _, corners)) in of_pieces.iter().zip(branches.pieces_of_triangles()) {
             let Some(source) = triangles.get(&triangle) else { continue };
             let Some(outline) = corners.iter().map(|&corner| source.barycentric(corner)).collect::<Option<Vec<_>>>()

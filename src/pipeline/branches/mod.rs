@@ -97,19 +97,20 @@ impl PreparedShot {
         let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
         let seen = self.visible_labels(layer, (now, None), (self.shot.size, Exposure::Instant));
         let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
-        let OrderedParts { list, of_pieces } = OrderedParts::of(self, layer, (now, branches));
+        let OrderedParts { list, of_pieces, .. } = OrderedParts::of(self, layer, (now, branches));
         // Without any visible part, the largest branch is the rearmost.
         let order: Vec<OrderedPart> = order.unwrap_or_else(|| list.clone());
-        let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> = if list.iter().all(|part| part.order == 0) {
-            let regions = branches.regions().into_iter().enumerate();
-            regions.map(|(branch, region)| (OrderedPart { order: 0, branch }, region)).collect()
-        } else {
-            let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> = BTreeMap::new();
-            for (&part, (_, corners)) in of_pieces.iter().zip(branches.pieces()) {
-                regions.entry(list[part as usize]).or_default().push(corners.to_vec());
-            }
-            regions
-        };
+        let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> =
+            if list.iter().all(|part| part.order == 0 && part.level == 0) {
+                let regions = branches.regions().into_iter().enumerate();
+                regions.map(|(branch, region)| (OrderedPart { order: 0, branch, level: 0 }, region)).collect()
+            } else {
+                let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> = BTreeMap::new();
+                for (&part, (_, corners)) in of_pieces.iter().zip(branches.pieces()) {
+                    regions.entry(list[part as usize]).or_default().push(corners.to_vec());
+                }
+                regions
+            };
         let branch = |part: OrderedPart| (branches.handles_of(part.branch), regions.remove(&part).unwrap_or_default());
         Some(LatticeBranches::of(order.into_iter().map(branch).collect()))
     }

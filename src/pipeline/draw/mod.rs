@@ -4,6 +4,7 @@
 
 pub(super) mod geometry_thread;
 pub(super) mod jerk;
+pub(super) mod overlaps;
 pub(super) mod overlay;
 pub(super) mod overlay_branches;
 pub(super) mod overlay_legend;

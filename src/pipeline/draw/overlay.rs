@@ -10,7 +10,7 @@ use crate::pipeline::evaluate::layer_pins::region;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::{LayerState, PinState, PreparedShot, TimeSample};
 use crate::screen::Camera;
-use crate::solve::{Shape, active_cells};
+use crate::solve::{ModelCells, Shape};
 use crate::space::{FrameSize, ImagePoint, ScreenPoint};
 use glam::{DVec2, DVec3};
 
@@ -264,12 +264,7 @@ fn folds(lattice: &ScreenLattice, shape: impl Fn() -> Shape<2>) -> Vec<([usize; 
     if folded.is_empty() {
         return Vec::new();
     }
-    let is_occupied = active_cells(&lattice.grid, &shape());
-    let margin = lattice.grid.basis.margin();
-    let columns = lattice.grid.basis.spans(lattice.grid.dims[0]);
-    let fold = |[i, j]: [usize; 2]| match is_occupied[(j - margin) * columns + i - margin] {
-        true => ([i, j], Fold::Model),
-        false => ([i, j], Fold::Empty),
-    };
+    let (_, on_model) = ModelCells::of(&lattice.grid, &shape()).folds_and_active(lattice);
+    let fold = |cell: [usize; 2]| (cell, if on_model.contains(&cell) { Fold::Model } else { Fold::Empty });
     folded.into_iter().map(fold).collect()
 }

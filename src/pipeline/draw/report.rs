@@ -2,9 +2,8 @@
 //!
 //! In: a solved [`TimeSample`]. Out: a [`FrameReport`] with one entry per solved layer, and warnings as text.
 
-use super::shared_cells;
+use super::{overlaps, shared_cells};
 use crate::pipeline::evaluate::lattice_box::screen_bounds;
-use crate::pipeline::evaluate::part_order::OrderedParts;
 use crate::pipeline::evaluate::topology::branching_remedy;
 use crate::pipeline::trajectories::{TimedNote, note_at};
 use crate::pipeline::{FrameReport, LayerReport, LayerState, PinState, PreparedShot, ScenePin, TimeSample};
@@ -53,7 +52,9 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
             None => {}
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
-        report.warnings.extend(order_warning(prepared, index, sample));
+        let (warning, note) = overlaps::told(prepared, index, sample);
+        report.warnings.extend(warning);
+        report.notes.extend(note);
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
             layer: layer.name.clone(),
@@ -76,21 +77,6 @@ pub(crate) fn warnings_of_layer(prepared: &PreparedShot, index: usize, sample: &
     warnings.extend(handle_warnings(layer, solve, height_px));
     warnings.extend(border_warnings(layer, state, height_px));
     warnings
-}
-
-/// Returns the warning that an order has no effect, because the picture is one part.
-fn order_warning(prepared: &PreparedShot, index: usize, sample: &TimeSample) -> Option<String> {
-    let layer = &prepared.shot.layers[index];
-    let of_pins = layer.pins.iter().filter(|pin| !pin.is_muted).map(|pin| &pin.order);
-    let has_order = of_pins.chain(&layer.connectivity.orders).any(|keys| !keys.is_empty());
-    let branches = sample.layers[index].solution.as_ref()?.branches.as_ref();
-    let is_one = branches.is_none_or(|branches| OrderedParts::of(prepared, index, (sample, branches)).list.len() < 2);
-    (has_order && is_one).then(|| {
-        format!(
-            "layer '{}': its picture moves as one part, so `order` says nothing; raise `dims`, or separate parts that touch by `cuts`",
-            layer.name
-        )
-    })
 }
 
 /// Returns the warning that the temporal weight spreads a sudden jump over several frames.

@@ -2,17 +2,22 @@
 //!
 //! In: a [`PreparedShot`], a solved [`TimeSample`], and a layer whose lattice branches. Out: [`OrderedParts`].
 
-use super::part_triangle_ranges::{PartTriangleRanges, held_triangle};
+use super::part_levels::PartLevels;
+use super::part_triangle_ranges::PartTriangleRanges;
+use super::pin_places::pin_places;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::shot::order_at;
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;
 
-/// The pieces of a branch that have the same order. Sorts by order, then by branch with the largest branch first.
+/// The pieces of a branch that have the same order and level. Sorts by order, then by level, then by branch with the largest branch
+/// first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::pipeline) struct OrderedPart {
     /// Order of the part that a cut chooses, or of the pin nearest along the shape; 0 if neither has one.
     pub(in crate::pipeline) order: i32,
+    /// Above 0 for what lies in front where limbs of one order cross.
+    pub(in crate::pipeline) level: u32,
     pub(in crate::pipeline) branch: usize,
 }
 
@@ -23,6 +28,8 @@ pub(in crate::pipeline) struct OrderedParts {
     pub(in crate::pipeline) list: Vec<OrderedPart>,
     /// Index into the list for each piece, in the order of [`BranchedLattice::pieces`].
     pub(in crate::pipeline) of_pieces: Vec<u32>,
+    /// Indices of pins at the limbs of one order that cross most: in front, behind.
+    pub(in crate::pipeline) crossing_pins: Option<[usize; 2]>,
 }
 
 impl OrderedParts {
@@ -31,14 +38,15 @@ impl OrderedParts {
         layer: usize,
         (now, branches): (&TimeSample, &BranchedLattice<2>),
     ) -> Self {
-        let orders = orders(prepared, layer, (now, branches));
-        let order_of = |piece: usize| orders.as_ref().map_or(0, |orders| orders[piece]);
-        let parts: Vec<OrderedPart> = (branches.pieces().enumerate())
-            .map(|(piece, (branch, _))| OrderedPart { order: order_of(piece), branch })
-            .collect();
+        let orders = orders(prepared, layer, (now, branches)).unwrap_or_else(|| vec![0; branches.pieces().count()]);
+        let levels = PartLevels::of(prepared, layer, (now, branches), &orders);
+        let level_of = |piece: usize| levels.of_polygons.get(piece).copied().unwrap_or(0);
+        let part = |(piece, (branch, _))| OrderedPart { order: orders[piece], branch, level: level_of(piece) };
+        let parts: Vec<OrderedPart> = branches.pieces().enumerate().map(part).collect();
         let mut places: BTreeMap<OrderedPart, u32> = parts.iter().map(|&part| (part, 0)).collect();
         (0..).zip(places.values_mut()).for_each(|(number, place)| *place = number);
-        Self { of_pieces: parts.iter().map(|part| places[part]).collect(), list: places.into_keys().collect() }
+        let of_pieces = parts.iter().map(|part| places[part]).collect();
+        Self { of_pieces, list: places.into_keys().collect(), crossing_pins: levels.pins }
     }
 }
 
@@ -62,16 +70,9 @@ fn orders(
         .map(|&triangle| order_at(&layer.connectivity.orders[parts[part_of(triangle)?].0], key_frame))
         .collect();
     if has_ordered_pins {
-        // The pins of the shot, also where a host program moves others in their place.
-        let mesh = now.mesh();
-        let pins = layer.pins.iter().zip(prepared.anchors_of(index)).filter(|(pin, _)| !pin.is_muted);
-        let held = pins.filter_map(|(pin, anchor)| {
-            let rest = anchor.rest(&mesh, &now.camera);
-            let at = rest.point.0.to_array();
-            let place = (at, held_triangle(anchor, starts).or_else(|| triangle_at(branches, at)));
-            (rest.presence > 0.0).then(|| (place, order_at(&pin.order, key_frame)))
-        });
-        let (places, of_pins): (Vec<_>, Vec<_>) = held.unzip();
+        let pins = pin_places(prepared, index, (now, branches));
+        let places: Vec<_> = pins.iter().map(|pin| (pin.at, pin.triangle)).collect();
+        let of_pins: Vec<_> = pins.iter().map(|pin| order_at(&layer.pins[pin.pin].order, key_frame)).collect();
         let nearest = if places.is_empty() { Vec::new() } else { branches.nearest_along_shape(&places) };
         for ((order, &triangle), pin) in orders.iter_mut().zip(&triangles).zip(nearest) {
             // A part keeps its order against pins beside it.
@@ -82,19 +83,6 @@ fn orders(
         }
     }
     Some(orders.into_iter().map(Option::unwrap_or_default).collect())
-}
-
-/// Returns the triangle of a shape at rest that a point lies on; `None` beside the shape.
-fn triangle_at(branches: &BranchedLattice<2>, at: [f64; 2]) -> Option<u32> {
-    let holds = |corners: &[[f64; 2]]| {
-        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-        let crosses = sides.map(|(a, b)| (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0]));
-        let (least, most) =
-            crosses.fold((0.0_f64, 0.0_f64), |(least, most), cross| (least.min(cross), most.max(cross)));
-        least >= 0.0 || most <= 0.0
-    };
-    let mut pieces = branches.pieces_of_triangles();
-    pieces.find(|(.., corners)| holds(corners)).map(|(triangle, ..)| triangle as u32)
 }
 
 /// Returns a function from the triangles of a shape to the last of some parts that has them. `parts`: with one flag for every triangle at

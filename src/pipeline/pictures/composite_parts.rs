@@ -46,6 +46,8 @@ impl Canvas {
         let [through_alpha, through_region] = [front[3], region].map(|cover| 1.0 - cover.clamp(0.0, 1.0));
         let rims = if covered > 0.0 { (behind_rim / covered).clamp(0.0, 1.0) } else { 0.0 };
         let through = through_alpha + rims * (through_region - through_alpha);
+        // Where three parts meet, the rim of one in the middle lies over that of one behind; together they cover no more than all.
+        let through = if rims > 0.0 { through.min(through_alpha / covered) } else { through };
         for (plane, front) in self.planes.iter_mut().zip(front) {
             plane[at] = if plane[at] == 0.0 { front } else { front + plane[at] * through };
         }
@@ -70,6 +72,14 @@ mod tests {
         // An unconnected soft part behind shines through.
         let other = [0.0, 0.0, 0.4, 0.4, 1.0, 0.0];
         assert_eq!(composited(&[other, own])[3], 0.7);
+    }
+
+    #[test]
+    fn a_corner_of_three_parts_is_drawn_once() {
+        // Their own shares are a half, a quarter and a quarter; the rims of the two behind lie under those in front.
+        let [behind, middle, front] =
+            [[1.0, 1.0, 1.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.5, 0.25, 0.25], [0.25, 0.25, 0.25, 0.25, 0.25, 0.0]];
+        assert_eq!(composited(&[behind, middle, front]), [1.0; 4]);
     }
 
     #[test]

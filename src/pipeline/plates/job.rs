@@ -3,7 +3,7 @@
 use crate::export::LatticeFile;
 use crate::image::Durability;
 use crate::pipeline::run::events::lossy;
-use crate::pipeline::{Existing, PreparedShot, Redone};
+use crate::pipeline::{Existing, LayerNote, PreparedShot, Redone};
 use crate::plate::{ChannelReport, Matte, WarpSettings};
 use crate::raster::DeviceChoice;
 use serde::Serialize;
@@ -143,6 +143,9 @@ pub struct WarpReport {
     pub mattes: String,
     /// Warnings about this frame.
     pub warnings: Vec<String>,
+    /// What the user may want to know about layers in this frame; once per layer is enough.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) notes: Vec<LayerNote>,
 }
 
 /// Summary of a warped sequence.

@@ -13,8 +13,11 @@ use super::write::Warped;
 use super::{PlateWarp, WarpDirection, WarpJob, WarpReport, whole_scene};
 use crate::export::{LatticeTrack, Track, lattice_at};
 use crate::image::Plate;
+use crate::pipeline::draw::overlaps::crossing_note;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
-use crate::pipeline::{BranchPart, Exposure, PipelineError, lattices_of_file, parts_of_file, warnings_of_layer};
+use crate::pipeline::{
+    BranchPart, Exposure, LayerNote, PipelineError, lattices_of_file, parts_of_file, warnings_of_layer,
+};
 use crate::plate::{
     Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
 };
@@ -125,6 +128,7 @@ impl<'a> Stage<'a> {
                     channels,
                     mattes,
                     warnings,
+                    notes: self.notes(frame),
                     ..WarpReport::default()
                 };
                 (plate, report, memory)
@@ -190,6 +194,13 @@ impl<'a> Stage<'a> {
             report.warnings.extend(told);
         }
         Ok((warped, report, found.source))
+    }
+
+    /// Returns the notes about the layers of a frame that was warped.
+    fn notes(&self, frame: i32) -> Vec<LayerNote> {
+        let PlateWarp::Shot(prepared) = &self.job.warp else { return Vec::new() };
+        let Ok(sample) = prepared.mid_exposure(frame) else { return Vec::new() };
+        self.plan.layers.iter().filter_map(|&layer| crossing_note(prepared, layer, &sample)).collect()
     }
 
     /// Returns the plate warped by an STMap.

@@ -69,6 +69,18 @@ pub struct FrameReport {
     pub(crate) layers: Vec<LayerReport>,
     /// Warnings about this frame.
     pub warnings: Vec<String>,
+    /// What the user may want to know about layers in this frame; once per layer is enough.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) notes: Vec<LayerNote>,
+}
+
+/// A note about a layer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct LayerNote {
+    /// Layer name.
+    pub layer: String,
+    /// The note.
+    pub text: String,
 }
 
 /// Report of the solve of one layer in one frame.

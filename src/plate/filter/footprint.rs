@@ -15,6 +15,10 @@ const SHRINK_LIMIT: f32 = 16.0;
 /// Minification up to this factor is ignored, so that rounding of maps does not widen the filter.
 const MIN_MINIFICATION: f32 = 1.02;
 
+/// Offsets that change by less than this per pixel are on one surface, and so are those whose change differs by less than this fraction
+/// of the next one. At a tear, where one surface ends over another, the offset changes by any amount.
+const TEAR: f32 = 0.5;
+
 /// The linear map from source distances to filter distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
@@ -55,9 +59,18 @@ impl Footprint {
             smaller(before, difference(map.offsets[index + k + stride], here))
         };
         // Minification is tested for all pixels at once, in SIMD registers; few footprints then remain to be computed.
-        let jacobians: [_; LANES] = std::array::from_fn(|k| jacobian(step(k, 1), step(k, width)));
-        let longest = jacobians.map(|jacobian| Ellipse::of_jacobian(jacobian).longest());
-        std::array::from_fn(|k| if shrinks(longest[k]) { Self::of_jacobian(jacobians[k]) } else { Self::UNIT })
+        let steps: [_; LANES] = std::array::from_fn(|k| [step(k, 1), step(k, width)]);
+        let longest = steps.map(|[across, down]| Ellipse::of_jacobian(jacobian(across, down)).longest());
+        std::array::from_fn(|k| {
+            let [across, down] = steps[k];
+            if is_steep(across) | is_steep(down) {
+                Self::at(map, column + k, row)
+            } else if shrinks(longest[k]) {
+                Self::of_jacobian(jacobian(across, down))
+            } else {
+                Self::UNIT
+            }
+        })
     }
 
     /// Computes the footprint for J in row-major order.
@@ -128,7 +141,8 @@ fn clamped_scale(squared: f32) -> f32 {
 }
 
 /// Returns the change of the offset per pixel along an axis: the smaller of the differences on both sides, since the
-/// other may cross a fold or a hole. At the border of the map the next difference stands for the missing one. 0 if there is none.
+/// other may cross a fold or a hole. Where both cross one, as on the last pixels of a thin part, or if there is none, it is 0. At the
+/// border of the map the next difference stands for the missing one.
 /// `stride`: to the next of `count` pixels, `place`: of this pixel among them.
 #[inline(always)]
 fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, (place, count): (usize, usize)) -> [f32; 2] {
@@ -143,7 +157,29 @@ fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, (place, count): 
         _ if place >= 2 => step(index - 2 * stride),
         _ => [f32::NAN; 2],
     };
-    smaller(before, after)
+    let least = smaller(before, after);
+    if !is_steep(least) {
+        return least;
+    }
+    let [before_next, after_next] = [
+        if place >= 2 { step(index - 2 * stride) } else { [f32::NAN; 2] },
+        if count - place >= 3 { step(index + stride) } else { [f32::NAN; 2] },
+    ];
+    let on_surface = |by: [f32; 2], next: [f32; 2]| if is_torn(by, next) { [f32::NAN; 2] } else { by };
+    smaller(on_surface(before, before_next), on_surface(after, after_next))
+}
+
+/// Whether a change of the offset per pixel may be that across a tear.
+#[inline(always)]
+fn is_steep([x, y]: [f32; 2]) -> bool {
+    x * x + y * y > TEAR * TEAR
+}
+
+/// Whether a steep change of the offset per pixel is that across a tear, given the next change on the same side.
+#[inline(always)]
+fn is_torn(by: [f32; 2], next: [f32; 2]) -> bool {
+    let square = |[x, y]: [f32; 2]| x * x + y * y;
+    square(by) > TEAR * TEAR && square(difference(by, next)) > TEAR * TEAR * square(next).max(1.0)
 }
 
 /// Returns the smaller difference; the other if one is NaN, 0 if both are.

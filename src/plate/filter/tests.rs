@@ -184,6 +184,30 @@ fn shrinking_does_not_alias() {
     assert!(worst(Filter::Cubic) > 0.5, "the test shows no aliasing");
 }
 
+/// A thin part that lies over another and ends on it, one pixel wide: what is beside it is no part of its footprint.
+#[test]
+fn a_footprint_does_not_reach_across_a_tear() {
+    // In column 40 the source is 20 columns to the left and 8 rows above, everywhere else the pixel itself.
+    let torn = map(|x, y| if x == 40.0 && (20.0..50.0).contains(&y) { [-20.0, -8.0] } else { [0.0, 0.0] });
+    let lone = map(|x, y| if [x, y] == [40.0, 30.0] { [-20.0, -8.0] } else { [0.0, 0.0] });
+    // Black but for a bright part beside the source.
+    let source = plane(WINDOW, |k| if (k % 90).abs_diff(20) > 3 { 1.0 } else { 0.0 });
+    for map in [torn, lone] {
+        let drawn = one(&map, WINDOW, &source, Filter::Ewa);
+        assert_eq!(drawn[30 * 90 + 40], 0.0);
+        assert_eq!(footprint_of(&map, 40, 30), (true, true));
+    }
+    // What shrinks evenly keeps its wide footprint.
+    let shrunk = map(|x, y| [3.0 * (x - 45.0), 3.0 * (y - 35.0)]);
+    assert_eq!(footprint_of(&shrunk, 40, 30), (false, false));
+}
+
+/// Whether the footprint of a pixel is that of one that does not shrink, alone and among others.
+fn footprint_of(map: &WarpMap, column: usize, row: usize) -> (bool, bool) {
+    use super::footprint::Footprint;
+    (Footprint::at(map, column, row).is_unit(), Footprint::of_inner(map, column, row)[0].is_unit())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 

@@ -69,6 +69,9 @@ impl Role {
     }
 }
 
+/// Number of neighbours on each side whose offsets a footprint looks at.
+const RIM: i32 = 2;
+
 /// Resamples planes on a Vulkan device. Field order: objects that wait for the device are dropped first, then what the
 /// device reads.
 pub struct VulkanRemap {
@@ -232,8 +235,8 @@ impl VulkanRemap {
     /// Uploads the offsets of an area and of its neighbours; returns the rectangle that they cover.
     fn upload_offsets(&mut self, map: &WarpMap, area: PixelRect) -> Result<PixelRect, RasterError> {
         let axis = |low: i32, size: u32, all: u32| {
-            let first = (low - 1).max(0);
-            (first, (low as u32 + size + 1).min(all) - first as u32)
+            let first = (low - RIM).max(0);
+            (first, (low as u32 + size + RIM as u32).min(all) - first as u32)
         };
         let (x, width) = axis(area.x, area.width, map.window.width);
         let (y, height) = axis(area.y, area.height, map.window.height);

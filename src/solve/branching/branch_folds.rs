@@ -5,8 +5,7 @@
 
 use super::{BranchedLattice, Branching};
 use crate::lattice::Folds;
-use crate::solve::samples::Polygon;
-use std::collections::BTreeMap;
+use crate::solve::folds_on_polygons::CellPolygons;
 
 impl<const D: usize> BranchedLattice<D> {
     /// The folds of all branches.
@@ -43,51 +42,18 @@ impl<const D: usize> BranchedLattice<D> {
         let number = |place: &[usize; D]| {
             (0..D).rev().fold(0, |cell, axis| cell * grid.basis.spans(grid.dims[axis]) + place[axis] - margin)
         };
-        let mut parts: BTreeMap<usize, Vec<Polygon<D>>> =
-            whole.cells.iter().map(|place| (number(place), Vec::new())).collect();
-        for (cut, &piece) in cuts.iter().zip(&pieces.of_cuts) {
-            if branch_of[piece] == branch
-                && let Some(polygons) = parts.get_mut(&cut.cell)
-            {
-                let place = grid.cell_coords(cut.cell);
-                polygons.push(cut.polygon.mapped(|corner| {
-                    let corner = grid.upright_from_point(corner);
-                    std::array::from_fn(|d| (corner[d] - grid.lo[d]) / grid.spacing(d) - place[d] as f64)
-                }));
-            }
+        let folded: Vec<usize> = whole.cells.iter().map(number).collect();
+        let mut polygons = CellPolygons::within(grid, folded.iter().copied());
+        for (cut, _) in cuts.iter().zip(&pieces.of_cuts).filter(|(_, piece)| branch_of[**piece] == branch) {
+            polygons.add(cut.cell, &cut.polygon.mapped(|corner| grid.upright_from_point(corner)));
         }
-        parts.keys().for_each(|&cell| is_active[cell] = false);
+        folded.iter().for_each(|&cell| is_active[cell] = false);
         // The bound over whole cells is tight only without the folded ones.
         let others =
             if is_active.contains(&true) { lattice.active_folds(&is_active, wanted).min_det } else { f64::INFINITY };
-        let mut folds = Folds { cells: Vec::new(), active_count: 0, min_det: others };
-        for (cell, part) in parts {
-            let least = lattice.min_in_part((cell, *width), (part, folds.min_det.min(wanted)), halves);
-            if least <= 0.0 {
-                folds.cells.push(grid.cell_coords(cell).map(|place| place + margin));
-                folds.active_count += 1;
-            }
-            folds.min_det = folds.min_det.min(least);
-        }
-        folds
+        let (cells, least) = polygons.folds(&lattice, *width, others.min(wanted));
+        Folds { active_count: cells.len(), cells, min_det: others.min(least) }
     }
-}
-
-/// The halves of polygons in the unit cell along an axis, each scaled to the unit cell.
-fn halves<const D: usize>(polygons: Vec<Polygon<D>>, axis: usize) -> [Option<Vec<Polygon<D>>>; 2] {
-    let (mut below, mut above) = (Vec::new(), Vec::new());
-    for mut polygon in polygons {
-        let lower = polygon.split_off(axis, 0.5);
-        for (half, part, shift) in [(&mut below, lower, 0.0), (&mut above, polygon, 1.0)] {
-            if !part.corners().is_empty() {
-                half.push(part.mapped(|mut corner| {
-                    corner[axis] = 2.0 * corner[axis] - shift;
-                    corner
-                }));
-            }
-        }
-    }
-    [below, above].map(|half| (!half.is_empty()).then_some(half))
 }
 
 #[cfg(test)]

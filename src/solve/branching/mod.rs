@@ -17,6 +17,7 @@ mod cell_connections;
 mod cell_parts;
 mod continuation;
 mod copies;
+mod crossings;
 mod cuts;
 mod disjoint_sets;
 mod far_points;
@@ -37,6 +38,7 @@ mod tie_nodes;
 pub(crate) use bending::Bending;
 pub(crate) use branched_lattice::BranchedLattice;
 pub(crate) use continuation::continued;
+pub(crate) use crossings::Crossing;
 pub(crate) use far_points::{FarPoints, far_points};
 pub(crate) use inner_width::inner_widths;
 pub(crate) use link::Link;
@@ -47,6 +49,7 @@ pub(crate) use solid_links::{islands_of, link_length, solid_links};
 
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Shape};
+use super::samples::Polygon;
 use super::settings::{Settings, Topology};
 use crate::lattice::{Grid, Support};
 use adjacency::Adjacency;
@@ -275,6 +278,15 @@ impl<const D: usize> Branching<D> {
         let (_, on, triangle) = best;
         (on, self.piece_at(triangle..triangle + 1, &on))
     }
+}
+
+/// The parts of a shape's triangles in the cells of an upright grid, each with the index of its cell. Parts outside the box belong to the
+/// nearest cell.
+pub(crate) fn polygons_in_cells<const D: usize>(
+    grid: &Grid<D>,
+    shape: &Shape<D>,
+) -> impl Iterator<Item = (usize, Polygon<D>)> {
+    cuts(grid, shape).into_iter().map(|cut| (cut.cell, cut.polygon))
 }
 
 /// Number of spans per axis at which a branching lattice resists bending like a plain one.

@@ -1,0 +1,54 @@
+//! Reports how parts of a drawing overlap: an order without effect, and limbs that cross without one.
+//!
+//! In: a solved [`TimeSample`]. Out: a warning and a note per layer.
+
+use crate::pipeline::evaluate::part_order::OrderedParts;
+use crate::pipeline::{LayerNote, PreparedShot, TimeSample};
+use std::collections::BTreeSet;
+
+/// Returns the parts of a layer; `None` if its lattice does not branch in this frame.
+fn parts(prepared: &PreparedShot, layer: usize, sample: &TimeSample) -> Option<OrderedParts> {
+    let branches = sample.layers[layer].solution.as_ref()?.branches.as_ref()?;
+    Some(OrderedParts::of(prepared, layer, (sample, branches)))
+}
+
+/// Returns the note that limbs of a layer cross, with the pin at the one in front first; `None` if none do, or if their pins have orders.
+pub(in crate::pipeline) fn crossing_note(
+    prepared: &PreparedShot,
+    layer: usize,
+    sample: &TimeSample,
+) -> Option<LayerNote> {
+    note_of(prepared, layer, &parts(prepared, layer, sample)?)
+}
+
+/// Returns the warning that an order has no effect, because the picture is one part, and the note that limbs cross.
+pub(super) fn told(prepared: &PreparedShot, index: usize, sample: &TimeSample) -> (Option<String>, Option<LayerNote>) {
+    let layer = &prepared.shot.layers[index];
+    let of_pins = layer.pins.iter().filter(|pin| !pin.is_muted).map(|pin| &pin.order);
+    let has_order = of_pins.chain(&layer.connectivity.orders).any(|keys| !keys.is_empty());
+    let parts = parts(prepared, index, sample);
+    let note = parts.as_ref().and_then(|parts| note_of(prepared, index, parts));
+    let is_one = parts.is_none_or(|parts| {
+        let without_level = parts.list.iter().map(|part| (part.order, part.branch));
+        without_level.collect::<BTreeSet<_>>().len() < 2
+    });
+    let warning = (has_order && is_one).then(|| {
+        format!(
+            "layer '{}': its picture moves as one part, so `order` says nothing; raise `dims`, or separate parts that touch by `cuts`",
+            layer.name
+        )
+    });
+    (warning, note)
+}
+
+fn note_of(prepared: &PreparedShot, index: usize, parts: &OrderedParts) -> Option<LayerNote> {
+    let layer = &prepared.shot.layers[index];
+    let [front, behind] = parts.crossing_pins?.map(|pin| &layer.pins[pin].name);
+    let what = if front == behind {
+        format!("parts near pin '{front}' cross; the one that moves further lies in front")
+    } else {
+        format!("the parts at pins '{front}' and '{behind}' cross; the one at '{front}' lies in front")
+    };
+    let text = format!("layer '{}': {what}, unless `order` of a pin says otherwise", layer.name);
+    Some(LayerNote { layer: layer.name.clone(), text })
+}
