@@ -46,11 +46,10 @@ use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
 use super::{DiskChange, Document, EditError};
-use crate::pipeline::FrameReport;
 use crate::raster::DeviceChoice;
 use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 /// Maximum bytes of pictures cached for playback.
@@ -99,8 +98,7 @@ pub(crate) struct Session {
     current: Option<Arc<Picture>>,
     solves: BTreeMap<i32, Arc<SolvedFrame>>,
     current_solve: Option<Arc<SolvedFrame>>,
-    /// The reports of the frames as rendered, of frames that were not drawn, too.
-    reports: BTreeMap<i32, FrameReport>,
+    figures: figures::Figures,
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
@@ -152,7 +150,7 @@ impl Session {
             current: None,
             solves: BTreeMap::new(),
             current_solve: None,
-            reports: BTreeMap::new(),
+            figures: figures::Figures::default(),
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
@@ -316,7 +314,7 @@ impl Session {
             Reply::Loaded(loaded) => self.loaded = loaded,
             Reply::Solved(solved) => self.take_solve(solved),
             Reply::Reported(revision, frame, report) if revision == self.revision => {
-                self.reports.insert(frame, *report);
+                self.take_figures(frame, &report);
             }
             Reply::Reported(..) => {}
             Reply::Drawn(picture) => self.take_picture(picture),
@@ -348,7 +346,7 @@ impl Session {
             self.current_solve = Some(Arc::clone(&solved));
         }
         if solved.is_final {
-            self.reports.insert(solved.frame, solved.report.clone());
+            self.take_figures(solved.frame, &solved.report);
             self.solves.insert(solved.frame, solved);
         }
     }
@@ -386,7 +384,7 @@ impl Session {
         self.revision += 1;
         self.pictures.clear();
         self.solves.clear();
-        self.reports.clear();
+        self.figures.clear();
         (self.before, self.fault) = (None, None);
     }
 
@@ -431,7 +429,7 @@ impl Session {
             }
         }
         let (next, reports) = match purpose {
-            Purpose::Drag(_) | Purpose::Paint => (Vec::new(), Vec::new()),
+            Purpose::Drag(_) | Purpose::Paint => (VecDeque::new(), VecDeque::new()),
             Purpose::Look | Purpose::Play => (self.frames_ahead(), self.frames_without_report()),
         };
         let with_before = self.wants_before() && purpose == Purpose::Look;
@@ -440,7 +438,7 @@ impl Session {
     }
 
     /// Returns the frames without a picture, in playback order.
-    fn frames_ahead(&self) -> Vec<i32> {
+    fn frames_ahead(&self) -> VecDeque<i32> {
         let [first, last] = self.playhead.range();
         let count = last - first + 1;
         let here = self.playhead.frame() - first;
