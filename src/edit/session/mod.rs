@@ -13,6 +13,7 @@ mod handles;
 mod key_steps;
 mod keying;
 mod lattice_space;
+mod overtaken;
 mod painting;
 mod placing;
 mod plates;
@@ -90,6 +91,7 @@ pub(crate) struct Session {
     /// Incremented whenever frames change.
     revision: u64,
     gesture: Gesture,
+    overtaken: overtaken::Overtaken,
     /// The shot with the keys of the drag in progress.
     dragged: Option<Arc<Shot>>,
     pictures: BTreeMap<i32, Arc<Picture>>,
@@ -144,6 +146,7 @@ impl Session {
             solo: None,
             revision: 1,
             gesture: Gesture::Idle,
+            overtaken: overtaken::Overtaken::default(),
             dragged: None,
             pictures: BTreeMap::new(),
             before: None,
@@ -492,6 +495,9 @@ impl Session {
         if self.dragged.is_some() && !self.gesture.is_idle() {
             self.cancel();
             return self.say("Undone: the drag");
+        }
+        if self.take_back_click() {
+            return self.say("Undone: the click");
         }
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),
