@@ -389,9 +389,7 @@ impl FrameWorker {
         let drawn = open.prepared().draft(self.device.as_deref_mut(), (sample, kept), size, is_unwanted)?;
         let Some(drawn) = drawn else { return Ok(()) };
         let picture = Picture::of(&drawn, (frame, job.revision), quality);
-        if self.device.is_some() {
-            self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
-        }
+        self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
         sender.send(Reply::Drawn(Arc::new(picture)));
         Ok(())
     }
