@@ -204,6 +204,11 @@ impl Session {
         self.pictures.get(&frame)
     }
 
+    /// Returns the frames with a cached picture, in order.
+    pub(crate) fn drawn_frames(&self) -> impl Iterator<Item = i32> {
+        self.pictures.keys().copied()
+    }
+
     /// Returns the unwarped picture of the current frame.
     #[must_use]
     pub(crate) fn before(&self) -> Option<&Arc<Picture>> {
@@ -388,7 +393,8 @@ impl Session {
         self.pictures.clear();
         self.solves.clear();
         self.figures.clear();
-        (self.before, self.fault) = (None, None);
+        // The solve over time begins anew, once the frame is drawn.
+        (self.before, self.fault, self.progress) = (None, None, None);
     }
 
     /// Changes the document. An invalid change is reported and has no effect.
