@@ -298,6 +298,12 @@ pub(super) struct EditArgs {
     /// Size of the screenshot in pixels.
     #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "1440x900")]
     pub(super) size: [u32; 2],
+    /// Select a pin in the screenshot, by its name; may be repeated.
+    #[arg(long, value_name = "PIN", requires = "screenshot")]
+    pub(super) select: Vec<String>,
+    /// Show curves of the selected pins in the screenshot in place of rows of keys.
+    #[arg(long, requires = "screenshot")]
+    pub(super) curves: bool,
     /// Use the light theme for the screenshot.
     #[arg(long, requires = "screenshot")]
     pub(super) light: bool,

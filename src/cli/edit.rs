@@ -5,7 +5,7 @@
 use super::args::EditArgs;
 use super::outcome::Outcome;
 use super::outputs;
-use crate::edit::ui::{EditorOptions, Theme, run as run_window, screenshot};
+use crate::edit::ui::{EditorOptions, Screenshot, Theme, run as run_window, screenshot};
 use std::io::Write;
 
 pub(super) fn run(args: &EditArgs) -> anyhow::Result<Outcome> {
@@ -13,7 +13,9 @@ pub(super) fn run(args: &EditArgs) -> anyhow::Result<Outcome> {
     if let (Some(file), Some(output)) = (&args.file, &args.screenshot) {
         outputs::allow(&outputs::inputs_of([file]), output, args.overwrite)?;
         let theme = if args.light { Theme::Light } else { Theme::Dark };
-        screenshot(file, args.frame, (args.size, theme, output), options)?;
+        let pins = args.select.clone();
+        let shown = Screenshot { frame: args.frame, pins, has_curves: args.curves, size: args.size, theme };
+        screenshot(file, &shown, output, options)?;
         writeln!(std::io::stdout(), "wrote {}", output.display())?;
         return Ok(Outcome::Complete);
     }

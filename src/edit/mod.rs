@@ -18,6 +18,7 @@ mod document;
 mod dropped;
 mod error;
 mod export_order;
+mod frame_runs;
 mod history;
 mod journal;
 mod journal_line;

@@ -156,6 +156,13 @@ impl Action {
         matches!((self, other), (Self::Play, Self::Pan) | (Self::Pan, Self::Play))
     }
 
+    /// Returns whether it acts once for each press, however many come at once; others only once.
+    #[must_use]
+    pub(crate) const fn is_counted(self) -> bool {
+        let is_step = matches!(self, Self::Back | Self::Forward | Self::KeyBack | Self::KeyForward);
+        is_step || matches!(self, Self::Undo | Self::Redo | Self::ZoomIn | Self::ZoomOut) || self.nudge().is_some()
+    }
+
     /// Returns what it moves the selection by, in pixels to the right and up; `None` for other actions.
     #[must_use]
     pub(crate) const fn nudge(self) -> Option<[f64; 2]> {

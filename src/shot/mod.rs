@@ -42,6 +42,8 @@ pub use schema::schema;
 pub(crate) use selection::{ColorChannel, PaintedMask, Selection};
 
 use crate::files::{SHOT_BYTES, read_text};
+use crate::image::plate_size;
+use crate::space::FrameSize;
 use document::Document;
 use std::path::Path;
 
@@ -72,8 +74,19 @@ impl Shot {
     /// # Errors
     /// As [`Shot::read`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, ShotError> {
+        Self::parse_with(text, path, &plate_size)
+    }
+
+    /// As [`Shot::parse`], with a function in place of reading the size of plates: an editor parses at every edit.
+    ///
+    /// # Errors
+    /// As [`Shot::read`].
+    pub(crate) fn parse_with(text: &str, path: &Path, plate_size: PlateSize) -> Result<Self, ShotError> {
         let document = Document::parse(text, path)?;
-        let shot = check::shot(&document)?;
+        let shot = check::shot(&document, plate_size)?;
         Ok(Self { lines: document.lines, ..shot })
     }
 }
+
+/// Returns the size of a plate in the first of these frames that can be read, from first to last; `None` if there is none.
+pub(crate) type PlateSize<'a> = &'a dyn Fn(&Path, [i32; 2]) -> Option<FrameSize>;

@@ -72,7 +72,7 @@ fn an_export_that_runs_is_asked_about_when_another_shot_is_opened() {
     let end = begin(&mut window);
     leave(&mut window, &stage.shot());
     assert!(window.query_by_label("Cancel the export").is_some());
-    end();
+    end(true);
     window.run_steps(3);
     assert!(window.query_by_label("Stay here").is_none() && session(&window).document().path() == stage.shot());
 }

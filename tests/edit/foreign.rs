@@ -5,10 +5,13 @@ use super::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
-use pinwarp::image::{Preview, write_png};
+use pinwarp::image::{Preview, preview, write_png};
+use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::DeviceChoice;
+use pinwarp::raster::geometry::KeptParts;
 use pinwarp::scene::FileAccess;
 use pinwarp::shot::Shot;
+use pinwarp::space::FrameSize;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -120,14 +123,57 @@ fn files_beside_a_scene_are_watched_where_a_broken_edit_is_saved_elsewhere() {
     });
 }
 
+/// A picture with colours that tell where a pixel was.
+fn checkered(width: u32, height: u32) -> Preview {
+    let mut picture = Preview::transparent(width, height);
+    for (index, pixel) in picture.rgba.chunks_exact_mut(4).enumerate() {
+        let [x, y] = [index % width as usize, index / width as usize];
+        let [red, green] = [192 * x / width as usize, 216 * y / height as usize];
+        pixel.copy_from_slice(&[red as u8, green as u8, if (x / 8 + y / 8) % 2 == 0 { 200 } else { 20 }, 255]);
+    }
+    picture
+}
+
+/// Drags of large drawings would be slow otherwise.
+#[test]
+fn a_draft_of_a_drawing_is_as_small_as_wanted_and_shows_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_png(&folder.path().join("drawing.png"), &checkered(192, 108)).expect("written");
+    let text = "image = 'drawing.png'\nframes = { first = 1, last = 1 }\n[[layer]]\nname = 'all'\n\
+                lattice = { dims = [6, 6], topology = 'plain' }\n\
+                [[layer.pin]]\nname = 'a'\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+                [[layer.pin]]\nname = 'b'\nanchor = { screen = [1.3, 0.5], frame = 1 }\n\
+                keys = [{ frame = 1, offset = [-0.1, 0.1] }]\n";
+    let shot = Shot::parse(text, &folder.path().join("shot.toml")).expect("a shot");
+    let prepared = PreparedShot::new(shot).expect("it loads");
+    let sample = prepared.provisional(1).expect("solved");
+    let draft = |width: u32, height: u32| {
+        let (size, kept) = (FrameSize::new(width, height), KeptParts::default());
+        let frame = prepared.draft(None, (&sample, &kept), size, &|| false).expect("drawn").expect("not cancelled");
+        let drawn = preview(&frame);
+        assert_eq!((drawn.width, drawn.height), (width, height));
+        drawn.rgba
+    };
+    let (full, half) = (draft(192, 108), draft(96, 54));
+    let [mut count, mut sum] = [0.0; 2];
+    for (index, small) in half.chunks_exact(4).enumerate() {
+        let [x, y] = [2 * (index % 96), 2 * (index / 96)];
+        let large = |channel: usize| [0, 1, 192, 193].map(|step| f64::from(full[4 * (192 * y + x + step) + channel]));
+        if small[3] == 255 && large(3) == [255.0; 4] {
+            count += 1.0;
+            let difference = |k: usize| (f64::from(small[k]) - large(k).iter().sum::<f64>() / 4.0).abs();
+            sum += (0..3).map(difference).sum::<f64>() / 3.0;
+        }
+    }
+    assert!(count > 0.8 * 96.0 * 54.0 && sum / count < 4.0, "{count} pixels differ by {:.2} on average", sum / count);
+    assert!(half != checkered(96, 54).rgba, "it is warped");
+    assert_eq!(half, draft(96, 54), "what is kept of the size is the same");
+}
+
 #[test]
 fn a_picture_and_plates_are_edited() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut picture = Preview::transparent(96, 54);
-    for (index, pixel) in picture.rgba.chunks_exact_mut(4).enumerate() {
-        let (x, y) = (index % 96, index / 96);
-        pixel.copy_from_slice(&[2 * x as u8, 4 * y as u8, if (x / 8 + y / 8) % 2 == 0 { 200 } else { 20 }, 255]);
-    }
+    let picture = checkered(96, 54);
     let drawing = folder.path().join("drawing.png");
     write_png(&drawing, &picture).expect("written");
     is_edited(&mut opened(&drawing), [0.9, 0.5]);

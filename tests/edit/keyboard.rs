@@ -1,10 +1,10 @@
 //! The timeline and its curves without a pointer: by keyboard, and as screen readers see them.
 
-use super::acts::{click, press};
+use super::acts::{click, hold, press};
 use super::seen::says;
 use super::stage::{PINS, Stage};
 use super::window::{Window, changes, opened_with, session, settled, window};
-use eframe::egui::{self, Key, Modifiers};
+use eframe::egui::{self, Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::Channel;
 use std::fs;
@@ -203,4 +203,46 @@ fn escape_leaves_a_name_or_a_list_first_and_then_the_selection() {
     assert!(is_chosen(&window), "the menu is left");
     press(&mut window, Modifiers::NONE, Key::Escape);
     assert!(!is_chosen(&window));
+}
+
+/// A slow window gets several presses of a key at once.
+#[test]
+fn steps_that_come_at_once_all_count_and_switches_only_once() {
+    let (_stage, mut window) = opened();
+    click(&mut window, &["Mute pin a", "Mute pin b"]);
+    let twice = |window: &mut Window, modifiers: Modifiers, key: Key| {
+        // In one pass: the harness itself would give each event one of its own.
+        let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+        window.input_mut().events.extend([true, false, true, false].map(event));
+        window.run_steps(2);
+    };
+    twice(&mut window, Modifiers::NONE, Key::Period);
+    assert_eq!(session(&window).playhead.frame(), 3);
+    twice(&mut window, Modifiers::NONE, Key::Comma);
+    assert_eq!(session(&window).playhead.frame(), 1);
+    twice(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(changes(&window).is_empty(), "both are undone: {:?}", changes(&window));
+    let was_handles = session(&window).shown.handles;
+    twice(&mut window, Modifiers::NONE, Key::L);
+    assert_ne!(session(&window).shown.handles, was_handles, "a switch that is hit twice at once is meant");
+}
+
+#[test]
+fn a_path_is_typed_as_soon_as_files_are_to_be_chosen() {
+    let (stage, mut window) = opened();
+    fs::copy(stage.shot(), stage.folder.path().join("other.toml")).expect("copied");
+    let typed = |window: &mut Window, key: Key, modifiers: Modifiers, text: &str| {
+        press(window, modifiers, key);
+        window.run_steps(2);
+        window.event(Event::Text(text.to_owned()));
+        window.run_steps(2);
+        hold(window, Key::Enter, true);
+        hold(window, Key::Enter, false);
+        window.run_steps(3);
+        session(window).document().path().to_owned()
+    };
+    assert!(typed(&mut window, Key::O, Modifiers::COMMAND, "other.toml").ends_with("other.toml"));
+    settled(&mut window);
+    let path = typed(&mut window, Key::S, Modifiers::COMMAND | Modifiers::SHIFT, "third");
+    assert!(path == stage.folder.path().canonicalize().expect("there").join("third.toml") && path.exists(), "{path:?}");
 }

@@ -27,6 +27,7 @@ mod pan;
 mod panels;
 mod parts;
 mod pins;
+mod quick_hands;
 mod seen;
 mod session_memory;
 mod snapshot;

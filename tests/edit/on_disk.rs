@@ -6,7 +6,8 @@ use super::stage::{PINS, SHOT, Stage};
 use super::window::{Window, changes, opened_with, session, settled, until, window};
 use eframe::egui::{Key, Modifiers, ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
-use pinwarp::edit::RunState;
+use pinwarp::edit::ui::Editor;
+use pinwarp::edit::{EXPORTS, RunState};
 use pinwarp::image::is_complete;
 use std::fs;
 use std::path::PathBuf;
@@ -203,6 +204,42 @@ fn a_render_shows_its_progress_and_leaves_whole_frames_when_it_is_cancelled() {
     press(&mut window, Modifiers::COMMAND, Key::R);
     until(&mut window, "it ends", ended);
     assert!(says(&window, &format!("Done: {} frames", 60 - frames.len())), "{:?}", texts(&window));
+}
+
+/// Whoever asked to quit need not ask again once what ran has ended, unless a reason is to be read.
+#[test]
+fn an_editor_that_was_told_to_quit_does_so_when_what_runs_has_ended() {
+    let quits = |window: &mut Window| {
+        let mut commands = Vec::new();
+        for _ in 0..3 {
+            window.step();
+            commands.extend(window.output().viewport_output[&ViewportId::ROOT].commands.clone());
+        }
+        commands.contains(&ViewportCommand::Close)
+    };
+    let (stage, mut window) = opened_with(PINS);
+    for is_success in [false, true] {
+        let session = window.state_mut().as_mut().and_then(Editor::session_mut).expect("a shot is open");
+        let end = session.pretend_export(&EXPORTS[0]);
+        assert!(close(&mut window).contains(&ViewportCommand::CancelClose));
+        window.run_steps(3);
+        assert!(has(&window, "Stop and quit") && !quits(&mut window), "it waits");
+        end(is_success);
+        assert_eq!(quits(&mut window), is_success);
+        assert!(!has(&window, "Stop and quit"));
+    }
+    // A render that fails: the folder of its frames is a file.
+    let folder = stage.folder.path().join("out");
+    fs::write(&folder, "").expect("written");
+    let mut window = self::window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    press(&mut window, Modifiers::COMMAND, Key::R);
+    click(&mut window, &["Close window"]);
+    close(&mut window);
+    let ended = |window: &Window| session(window).run().is_some_and(|run| run.state != RunState::Running);
+    until(&mut window, "it ends", ended);
+    assert!(!quits(&mut window) && !has(&window, "Stop and quit"));
+    assert!(says(&window, "Nothing was rendered") || says(&window, "failed"), "its log: {:?}", texts(&window));
 }
 
 #[test]

@@ -3,8 +3,8 @@
 //! All of it is drawn on the CPU by code of this program, with the toolkit's own fonts, so pictures hardly differ from machine to machine.
 //! `UPDATE=1` writes them anew.
 
-use super::stage::{Stage, TIMEOUT, at, place_pin, press};
-use pinwarp::edit::ui::{EditorOptions, Theme, screenshot};
+use super::stage::{PINS, Stage, TIMEOUT, at, place_pin, press};
+use pinwarp::edit::ui::{EditorOptions, Screenshot, Theme, screenshot};
 use pinwarp::image::{Plate, read_picture};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
@@ -38,13 +38,20 @@ fn differing(a: &Plate, b: &Plate) -> f64 {
     (0..count).filter(is_other).count() as f64 / count as f64
 }
 
-fn drawn(shot: &Path, state: &Path, theme: Theme) -> PathBuf {
+/// What the kept pictures show.
+fn usual(theme: Theme) -> Screenshot {
+    Screenshot { frame: Some(3), pins: Vec::new(), has_curves: false, size: [960, 600], theme }
+}
+
+fn drawn(shot: &Path, state: &Path, shown: &Screenshot) -> PathBuf {
     let output = state.join("window.png");
     std::fs::create_dir_all(state).expect("a folder");
-    let options =
-        EditorOptions { device: DeviceChoice::Cpu, access: FileAccess::SceneFolder, folder: state.to_owned() };
-    screenshot(shot, Some(3), ([960, 600], theme, &output), options).expect("drawn");
+    screenshot(shot, shown, &output, options(state)).expect("drawn");
     output
+}
+
+fn options(state: &Path) -> EditorOptions {
+    EditorOptions { device: DeviceChoice::Cpu, access: FileAccess::SceneFolder, folder: state.to_owned() }
 }
 
 #[test]
@@ -62,7 +69,7 @@ fn the_window_looks_as_it_did() {
     session.save().expect("writable");
     drop(session);
     for (theme, name) in [(Theme::Dark, "dark.png"), (Theme::Light, "light.png")] {
-        let new = drawn(&stage.shot(), &stage.state(), theme);
+        let new = drawn(&stage.shot(), &stage.state(), &usual(theme));
         if std::env::var_os("UPDATE").is_some() {
             std::fs::create_dir_all(kept("")).expect("a folder");
             std::fs::copy(&new, kept(name)).expect("kept");
@@ -77,8 +84,25 @@ fn the_window_looks_as_it_did() {
 fn another_window_looks_different() {
     let stage = Stage::new();
     let [dark, light] = [Theme::Dark, Theme::Light]
-        .map(|theme| read_picture(&drawn(&stage.shot(), &stage.state(), theme)).expect("a picture"));
+        .map(|theme| read_picture(&drawn(&stage.shot(), &stage.state(), &usual(theme))).expect("a picture"));
     assert!(differing(&dark, &light) > 0.5);
     let kept = read_picture(&kept("dark.png")).expect("kept");
     assert!(differing(&dark, &kept) > MAX_DIFFERENCE, "without pins it is another picture");
+}
+
+#[test]
+fn a_picture_shows_what_it_is_told_to() {
+    let stage = Stage::with(PINS);
+    let mut pictures: Vec<Plate> = Vec::new();
+    for (pins, has_curves) in [(&[][..], false), (&["b"][..], false), (&["b"], true), (&["a", "b"], true)] {
+        let pins = pins.iter().map(|&name| name.to_owned()).collect();
+        let shown = Screenshot { pins, has_curves, ..usual(Theme::Dark) };
+        let new = read_picture(&drawn(&stage.shot(), &stage.state(), &shown)).expect("a picture");
+        assert!(pictures.iter().all(|old| differing(&new, old) > MAX_DIFFERENCE), "{shown:?}");
+        pictures.push(new);
+    }
+    let (output, options) = (stage.state().join("none.png"), options(&stage.state()));
+    let shown = Screenshot { pins: vec!["c".into()], ..usual(Theme::Dark) };
+    let told = screenshot(&stage.shot(), &shown, &output, options).expect_err("there is none").to_string();
+    assert!(told.contains("no layer has a pin 'c'") && !output.exists(), "{told}");
 }

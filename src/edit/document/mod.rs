@@ -4,6 +4,7 @@
 //! is not a valid shot is rejected, so that what is saved can always be rendered.
 
 mod disk;
+mod known_size;
 mod relocation;
 
 pub(crate) use disk::DiskChange;
@@ -18,6 +19,7 @@ use super::unfinished::taken_up;
 use crate::files::{SHOT_BYTES, read_text};
 use crate::scene::{FileAccess, Scene};
 use crate::shot::{Shot, ShotError};
+use known_size::KnownSize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +32,7 @@ pub(crate) struct Document {
     /// The contents of files as last read or written: the document's, and those that it had before it was saved elsewhere.
     known: BTreeMap<PathBuf, String>,
     shot: Shot,
+    plate_size: KnownSize,
     /// The files that the scene may refer to.
     access: FileAccess,
     history: History,
@@ -58,9 +61,21 @@ impl Document {
     /// [`EditError`] if the text is not a valid shot.
     pub(crate) fn new(path: &Path, text: String) -> Result<Self, EditError> {
         let path = absolute(path);
-        let shot = Shot::parse(&text, &path)?;
+        let plate_size = KnownSize::default();
+        let shot = plate_size.parsed(&text, &path)?;
         let (known, history, access) = (BTreeMap::new(), History::default(), FileAccess::default());
-        Ok(Self { path, text, known, shot, access, history, journal: None, journal_fault: None, scene: None })
+        Ok(Self {
+            path,
+            text,
+            known,
+            shot,
+            plate_size,
+            access,
+            history,
+            journal: None,
+            journal_fault: None,
+            scene: None,
+        })
     }
 
     /// Sets which files the scene may refer to; shot files do not store this.
@@ -72,7 +87,7 @@ impl Document {
 
     /// Parses a text as this document's, at a path.
     fn parsed(&self, text: &str, path: &Path) -> Result<Shot, ShotError> {
-        Ok(Shot { allow_outside: self.access == FileAccess::Anywhere, ..Shot::parse(text, path)? })
+        Ok(Shot { allow_outside: self.access == FileAccess::Anywhere, ..self.plate_size.parsed(text, path)? })
     }
 
     /// Keeps a scene that is loaded already, so that it need not be loaded again.
@@ -167,6 +182,7 @@ impl Document {
 
     /// Reads what the shot takes from its files again, such as the size of its plates.
     pub(crate) fn read_files_again(&mut self) {
+        self.plate_size.forget();
         if let Ok(shot) = self.parsed(&self.text, &self.path) {
             self.shot = shot;
         }

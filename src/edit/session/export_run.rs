@@ -26,6 +26,8 @@ pub(crate) struct ExportRun {
     pub(crate) written: usize,
     /// What the last export said.
     pub(crate) told: String,
+    /// Whether the last export ended without all of its files.
+    has_failed: bool,
 }
 
 /// An export in progress; dropping it ends the program.
@@ -112,6 +114,8 @@ enum ExportMessage {
 #[derive(Debug, PartialEq, Eq)]
 struct ExportEnd {
     words: String,
+    /// Whether all files are written.
+    is_success: bool,
     /// Whether there are such files already.
     is_clash: bool,
 }
@@ -121,7 +125,7 @@ impl ExportEnd {
         let is_clash = !is_success && err.contains(REPLACE);
         // Warnings come with success, too.
         let words = [err, out].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n");
-        Self { words, is_clash }
+        Self { words, is_success, is_clash }
     }
 }
 
@@ -138,14 +142,15 @@ fn export(
     });
     if program.is_cancelled.load(Ordering::SeqCst) {
         remove_unfinished(target);
-        return ExportEnd {
-            words: "The export was cancelled; the files that it had finished stay.".into(),
-            is_clash: false,
-        };
+        let words = "The export was cancelled; the files that it had finished stay.".into();
+        return ExportEnd { words, is_success: false, is_clash: false };
     }
     match run {
         Ok((status, texts)) => ExportEnd::of(status.success(), texts),
-        Err(error) => ExportEnd { words: format!("the program cannot be started again: {error}"), is_clash: false },
+        Err(error) => {
+            let words = format!("the program cannot be started again: {error}");
+            ExportEnd { words, is_success: false, is_clash: false }
+        }
     }
 }
 
@@ -168,6 +173,12 @@ impl Session {
     #[must_use]
     pub(crate) const fn is_exporting(&self) -> bool {
         self.export.running.is_some()
+    }
+
+    /// Returns whether the last export ended without all of its files.
+    #[must_use]
+    pub(crate) const fn has_export_failed(&self) -> bool {
+        self.export.has_failed
     }
 
     /// Exports the shot, saving unsaved changes first.
@@ -207,6 +218,7 @@ impl Session {
         };
         self.say("Exporting \u{2026}");
         (self.export.clash, self.export.written, self.export.told) = (None, 0, String::new());
+        self.export.has_failed = false;
         match std::thread::Builder::new().name("edit: export".into()).spawn(work) {
             Ok(thread) => {
                 self.export.running = Some(Running { order: order.clone(), messages, program, thread: Some(thread) });
@@ -215,13 +227,16 @@ impl Session {
         }
     }
 
-    /// Begins an export that nothing carries out. It ends once what is returned is called.
+    /// Begins an export that nothing carries out. It ends once what is returned is called, with whether it succeeds.
     #[cfg(test)]
-    pub(crate) fn pretend_export(&mut self, format: &'static ExportFormat) -> impl FnOnce() + use<> {
+    pub(crate) fn pretend_export(&mut self, format: &'static ExportFormat) -> impl FnOnce(bool) + use<> {
         let (sender, messages) = channel();
         let (order, program) = (ExportOrder::of(format), Arc::new(Program::default()));
         self.export.running = Some(Running { order, messages, program, thread: None });
-        move || _ = sender.send(ExportMessage::End(ExportEnd { words: "Exported.".into(), is_clash: false }))
+        move |is_success| {
+            let end = ExportEnd { words: "Ended.".into(), is_success, is_clash: false };
+            let _ = sender.send(ExportMessage::End(end));
+        }
     }
 
     /// Ends the running export, which leaves no unfinished file.
@@ -236,9 +251,10 @@ impl Session {
         for message in messages {
             match message {
                 ExportMessage::Frame => self.export.written += 1,
-                ExportMessage::End(ExportEnd { words, is_clash }) => {
+                ExportMessage::End(ExportEnd { words, is_success, is_clash }) => {
                     let order = self.export.running.take().map(|running| running.order.clone());
                     self.export.clash = order.filter(|_| is_clash);
+                    self.export.has_failed = !is_success;
                     self.export.told.clone_from(&words);
                     self.say(words);
                 }
@@ -267,9 +283,10 @@ mod tests {
     fn warnings_are_told_and_existing_files_are_asked_about() {
         let end = |is_success: bool, texts: [&str; 2]| ExportEnd::of(is_success, texts.map(str::to_owned));
         let told = end(true, ["shot.nk", "warning: folded"]);
-        assert_eq!(told, ExportEnd { words: "warning: folded\nshot.nk".into(), is_clash: false });
+        let words = "warning: folded\nshot.nk".into();
+        assert_eq!(told, ExportEnd { words, is_success: true, is_clash: false });
         let error = "error: shot.nk: exists already; use --overwrite to replace it";
-        assert_eq!(end(false, ["", error]), ExportEnd { words: error.into(), is_clash: true });
+        assert_eq!(end(false, ["", error]), ExportEnd { words: error.into(), is_success: false, is_clash: true });
         assert!(!end(false, ["", "error: no scene"]).is_clash);
     }
 

@@ -3,7 +3,10 @@
 //! In: the reports of frames. Out: numbers, frames to go to.
 
 use super::{Purpose, Session};
+use crate::edit::frame_runs::{FrameRuns, length};
 use crate::pipeline::{FrameReport, LayerReport};
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, VecDeque};
 
 /// A figure of a frame's report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +34,11 @@ impl Figure {
             Self::Distortion => "Distortion",
             Self::Jerk => "Jerk, px",
         }
+    }
+
+    /// Returns the order of frames with values, the worst last; of equals the first frame is the worst.
+    fn worse(self) -> impl Fn(&(i32, f64), &(i32, f64)) -> Ordering {
+        move |a, b| (self.sign() * a.1).total_cmp(&(self.sign() * b.1)).then(b.0.cmp(&a.0))
     }
 
     /// Returns 1 if higher is worse, -1 if lower is.
@@ -70,15 +78,78 @@ impl Figure {
     }
 }
 
+/// The figures of the frames as rendered, of those that were not drawn, too. The worst frames of one range are kept, so that a window
+/// need not look for them in every pass.
+#[derive(Debug, Default)]
+pub(super) struct Figures {
+    /// All figures of each frame, in the order of [`Figure::ALL`].
+    known: BTreeMap<i32, [Option<f64>; Figure::ALL.len()]>,
+    frames: FrameRuns,
+    /// The range that is followed.
+    range: [i32; 2],
+    /// Its worst frame by each figure.
+    worst: [Option<(i32, f64)>; Figure::ALL.len()],
+}
+
+impl Figures {
+    /// Takes the figures of a frame, in place of those that it had.
+    pub(super) fn insert(&mut self, frame: i32, report: &FrameReport) {
+        let new = Figure::ALL.map(|figure| figure.of(report));
+        let old = self.known.insert(frame, new);
+        self.frames.insert(frame);
+        if old == Some(new) || !(self.range[0]..=self.range[1]).contains(&frame) {
+            return;
+        }
+        let was_worst = self.worst.iter().flatten().any(|(worst, _)| *worst == frame);
+        if was_worst {
+            return self.find_worst();
+        }
+        for ((figure, worst), value) in Figure::ALL.into_iter().zip(&mut self.worst).zip(new) {
+            *worst = [*worst, value.map(|value| (frame, value))].into_iter().flatten().max_by(figure.worse());
+        }
+    }
+
+    /// Forgets all frames.
+    pub(super) fn clear(&mut self) {
+        self.known.clear();
+        self.frames.clear();
+        self.worst = Default::default();
+    }
+
+    /// Follows a range.
+    pub(super) fn follow(&mut self, range: [i32; 2]) {
+        if self.range != range {
+            self.range = range;
+            self.find_worst();
+        }
+    }
+
+    fn find_worst(&mut self) {
+        self.worst = Figure::ALL.map(|figure| self.worst_within(self.range, figure));
+    }
+
+    fn worst_within(&self, [first, last]: [i32; 2], figure: Figure) -> Option<(i32, f64)> {
+        let known = self.known.range(first..=last.max(first));
+        known.filter_map(|(&frame, all)| Some((frame, all[figure as usize]?))).max_by(figure.worse())
+    }
+
+    /// Returns the worst known frame of a range by a figure, with its value; of equals the first.
+    fn worst(&self, range: [i32; 2], figure: Figure) -> Option<(i32, f64)> {
+        if range == self.range { self.worst[figure as usize] } else { self.worst_within(range, figure) }
+    }
+}
+
 impl Session {
     /// Returns the worst frame of the played range by a figure, of the frames that are known, with its value.
     #[must_use]
     pub(crate) fn worst(&self, figure: Figure) -> Option<(i32, f64)> {
-        let [first, last] = self.playhead.range();
-        let known = self.reports.range(first..=last.max(first));
-        let known = known.filter_map(|(&frame, report)| Some((frame, figure.of(report)?)));
-        // Of equals the first is the worst.
-        known.rev().max_by(|a, b| (figure.sign() * a.1).total_cmp(&(figure.sign() * b.1)))
+        self.figures.worst(self.playhead.range(), figure)
+    }
+
+    /// Takes the figures of a frame as rendered.
+    pub(super) fn take_figures(&mut self, frame: i32, report: &FrameReport) {
+        self.figures.follow(self.playhead.range());
+        self.figures.insert(frame, report);
     }
 
     /// Goes to the worst frame of the played range by a figure, of the frames that are known.
@@ -91,21 +162,25 @@ impl Session {
     /// Returns of how many frames of the played range figures are known, and how many frames it has.
     #[must_use]
     pub(crate) fn reported(&self) -> [usize; 2] {
-        let [first, last] = self.playhead.range();
-        let count = usize::try_from(i64::from(last) - i64::from(first) + 1).unwrap_or(0);
-        [self.reports.range(first..=last.max(first)).count(), count]
+        let range = self.playhead.range();
+        [self.figures.frames.count(range), length(range)]
     }
 
-    /// Returns the frames of the played range without a report, in playback order.
-    pub(super) fn frames_without_report(&self) -> Vec<i32> {
+    /// Returns the runs of frames of the played range without a report, in playback order.
+    pub(super) fn frames_without_report(&self) -> VecDeque<[i32; 2]> {
         let [first, last] = self.playhead.range();
         let here = self.playhead.frame().clamp(first, last.max(first));
-        (here..=last).chain(first..here).filter(|frame| !self.reports.contains_key(frame)).collect()
+        let mut runs = self.figures.frames.gaps([here, last]);
+        if first < here {
+            runs.append(&mut self.figures.frames.gaps([first, here - 1]));
+        }
+        runs
     }
 
     /// Restricts playback to a range; `None`: the whole shot.
     pub(crate) fn set_range(&mut self, range: Option<[i32; 2]>) {
         self.playhead.set_range(range);
+        self.figures.follow(self.playhead.range());
         // Frames may be missing that were not in the range before.
         self.refresh(if self.playhead.is_playing() { Purpose::Play } else { Purpose::Look });
     }
@@ -124,7 +199,7 @@ mod tests {
     #[test]
     fn frames_that_were_not_drawn_count_within_the_played_range() {
         let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 1000 }\n");
-        assert_eq!((session.reported(), session.frames_without_report().len()), ([0, 1000], 1000));
+        assert_eq!((session.reported(), session.frames_without_report()), ([0, 1000], [[1, 1000]].into()));
         let told = |session: &mut Session, revision, frame, error| {
             session.take(Reply::Reported(revision, frame, Box::new(report(frame, error))));
         };
@@ -136,11 +211,39 @@ mod tests {
         assert_eq!((session.reported(), session.worst(Figure::PinError)), ([4, 1000], Some((900, 3.0))));
         session.go_to_worst(Figure::PinError);
         assert_eq!(session.playhead.frame(), 900);
-        assert_eq!(session.frames_without_report()[..2], [901, 902], "what is played next comes first");
+        let missing = [[901, 949], [951, 1000], [1, 1], [4, 899]];
+        assert_eq!(session.frames_without_report(), missing, "what is played next comes first");
         session.set_range(Some([1, 10]));
         assert_eq!((session.reported(), session.worst(Figure::PinError)), ([2, 10], Some((2, 1.0))));
         session.frames_changed();
         assert_eq!((session.reported(), session.worst(Figure::PinError)), ([0, 10], None));
+    }
+
+    #[test]
+    fn the_worst_frame_is_followed_as_frames_become_known_better_and_worse() {
+        let mut figures = Figures::default();
+        figures.follow([10, 20]);
+        let worst = |figures: &Figures| figures.worst([10, 20], Figure::PinError);
+        // Outside, first, equal but later, equal and earlier, worse, better, gone.
+        let steps = [
+            ((9, 9.0), None),
+            ((15, 1.0), Some((15, 1.0))),
+            ((16, 1.0), Some((15, 1.0))),
+            ((14, 1.0), Some((14, 1.0))),
+            ((20, 2.0), Some((20, 2.0))),
+            ((20, 0.5), Some((14, 1.0))),
+            ((14, f64::NAN), Some((15, 1.0))),
+        ];
+        for ((frame, error), expected) in steps {
+            figures.insert(frame, &report(frame, error));
+            assert_eq!(worst(&figures), expected, "frame {frame}: {error}");
+            assert_eq!(figures.worst([10, 20], Figure::PinError), figures.worst_within([10, 20], Figure::PinError));
+        }
+        assert_eq!(figures.worst([1, 20], Figure::PinError), Some((9, 9.0)), "another range");
+        figures.follow([1, 20]);
+        assert_eq!(figures.worst([1, 20], Figure::PinError), Some((9, 9.0)));
+        figures.clear();
+        assert_eq!(figures.worst([1, 20], Figure::PinError), None);
     }
 
     #[test]

@@ -5,17 +5,26 @@ use crate::shot::{BrushStroke, Layer, Shot};
 use crate::space::ScreenPoint;
 use std::sync::Arc;
 
+/// A press whose surface the worker looks for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Click {
+    /// Returned with the answer.
+    pub(super) id: u64,
+    pub(super) frame: i32,
+    pub(super) from: ScreenPoint,
+    /// Whether the pin moves the part as a whole.
+    pub(super) is_whole: bool,
+}
+
 /// The gesture in progress while the pointer is pressed.
 #[derive(Clone, Debug)]
 pub(super) enum Gesture {
     Idle,
     /// Waits for the worker's answer about the surface under the pointer.
     Placing {
-        id: u64,
-        from: ScreenPoint,
+        click: Click,
         at: ScreenPoint,
         is_up: bool,
-        is_whole: bool,
     },
     Drag {
         from: ScreenPoint,

@@ -13,6 +13,7 @@ mod handles;
 mod key_steps;
 mod keying;
 mod lattice_space;
+mod overtaken;
 mod painting;
 mod placing;
 mod plates;
@@ -46,11 +47,10 @@ use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
 use super::{DiskChange, Document, EditError};
-use crate::pipeline::FrameReport;
 use crate::raster::DeviceChoice;
 use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 /// Maximum bytes of pictures cached for playback.
@@ -91,6 +91,7 @@ pub(crate) struct Session {
     /// Incremented whenever frames change.
     revision: u64,
     gesture: Gesture,
+    overtaken: overtaken::Overtaken,
     /// The shot with the keys of the drag in progress.
     dragged: Option<Arc<Shot>>,
     pictures: BTreeMap<i32, Arc<Picture>>,
@@ -99,8 +100,7 @@ pub(crate) struct Session {
     current: Option<Arc<Picture>>,
     solves: BTreeMap<i32, Arc<SolvedFrame>>,
     current_solve: Option<Arc<SolvedFrame>>,
-    /// The reports of the frames as rendered, of frames that were not drawn, too.
-    reports: BTreeMap<i32, FrameReport>,
+    figures: figures::Figures,
     loaded: Arc<Loaded>,
     progress: Option<f64>,
     is_idle: bool,
@@ -146,13 +146,14 @@ impl Session {
             solo: None,
             revision: 1,
             gesture: Gesture::Idle,
+            overtaken: overtaken::Overtaken::default(),
             dragged: None,
             pictures: BTreeMap::new(),
             before: None,
             current: None,
             solves: BTreeMap::new(),
             current_solve: None,
-            reports: BTreeMap::new(),
+            figures: figures::Figures::default(),
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
@@ -201,6 +202,11 @@ impl Session {
     #[must_use]
     pub(crate) fn picture_of(&self, frame: i32) -> Option<&Arc<Picture>> {
         self.pictures.get(&frame)
+    }
+
+    /// Returns the frames with a cached picture, in order.
+    pub(crate) fn drawn_frames(&self) -> impl Iterator<Item = i32> {
+        self.pictures.keys().copied()
     }
 
     /// Returns the unwarped picture of the current frame.
@@ -316,7 +322,7 @@ impl Session {
             Reply::Loaded(loaded) => self.loaded = loaded,
             Reply::Solved(solved) => self.take_solve(solved),
             Reply::Reported(revision, frame, report) if revision == self.revision => {
-                self.reports.insert(frame, *report);
+                self.take_figures(frame, &report);
             }
             Reply::Reported(..) => {}
             Reply::Drawn(picture) => self.take_picture(picture),
@@ -348,7 +354,7 @@ impl Session {
             self.current_solve = Some(Arc::clone(&solved));
         }
         if solved.is_final {
-            self.reports.insert(solved.frame, solved.report.clone());
+            self.take_figures(solved.frame, &solved.report);
             self.solves.insert(solved.frame, solved);
         }
     }
@@ -386,8 +392,9 @@ impl Session {
         self.revision += 1;
         self.pictures.clear();
         self.solves.clear();
-        self.reports.clear();
-        (self.before, self.fault) = (None, None);
+        self.figures.clear();
+        // The solve over time begins anew, once the frame is drawn.
+        (self.before, self.fault, self.progress) = (None, None, None);
     }
 
     /// Changes the document. An invalid change is reported and has no effect.
@@ -431,7 +438,7 @@ impl Session {
             }
         }
         let (next, reports) = match purpose {
-            Purpose::Drag(_) | Purpose::Paint => (Vec::new(), Vec::new()),
+            Purpose::Drag(_) | Purpose::Paint => (VecDeque::new(), VecDeque::new()),
             Purpose::Look | Purpose::Play => (self.frames_ahead(), self.frames_without_report()),
         };
         let with_before = self.wants_before() && purpose == Purpose::Look;
@@ -440,7 +447,7 @@ impl Session {
     }
 
     /// Returns the frames without a picture, in playback order.
-    fn frames_ahead(&self) -> Vec<i32> {
+    fn frames_ahead(&self) -> VecDeque<i32> {
         let [first, last] = self.playhead.range();
         let count = last - first + 1;
         let here = self.playhead.frame() - first;
@@ -494,6 +501,9 @@ impl Session {
         if self.dragged.is_some() && !self.gesture.is_idle() {
             self.cancel();
             return self.say("Undone: the drag");
+        }
+        if self.take_back_click() {
+            return self.say("Undone: the click");
         }
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),

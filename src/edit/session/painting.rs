@@ -94,10 +94,10 @@ impl Session {
     /// Takes the worker's answer about what lies under the brush, and on the other side of the model.
     pub(super) fn brushed(&mut self, id: u64, point: Option<(BrushPoint, Option<PaintedPlace>)>) {
         let radius = self.brush.radius;
-        let Gesture::Paint(painting) = &mut self.gesture else { return };
-        if painting.id != id {
-            return;
-        }
+        let own = if let Gesture::Paint(painting) = &mut self.gesture { Some(painting) } else { None };
+        let own = own.filter(|painting| painting.id == id);
+        let is_own = own.is_some();
+        let Some(painting) = own.or_else(|| self.overtaken.stroke_mut(id)) else { return };
         painting.waiting = painting.waiting.saturating_sub(1);
         match point.filter(|(point, _)| painting.layer.is_none_or(|layer| layer == point.layer)) {
             None => (painting.line.goes_on, painting.mirrored.goes_on) = (false, false),
@@ -106,8 +106,13 @@ impl Session {
                 let (radius, value) = (rounded(radius * point.per_height), painting.value);
                 painting.line.add(Some(&point.place), radius, value);
                 painting.mirrored.add(mirrored.as_ref(), radius, value);
-                self.show_painting();
+                if is_own {
+                    self.show_painting();
+                }
             }
+        }
+        if let Some(painting) = self.overtaken.take_answered_stroke() {
+            self.write_stroke(painting);
         }
         self.end_stroke();
     }
@@ -129,6 +134,11 @@ impl Session {
     pub(super) fn end_stroke(&mut self) {
         let Gesture::Paint(Painting { is_up: true, waiting: 0, .. }) = self.gesture else { return };
         let Gesture::Paint(painting) = std::mem::replace(&mut self.gesture, Gesture::Idle) else { return };
+        self.write_stroke(painting);
+    }
+
+    /// Writes a stroke whose questions are all answered into the document.
+    fn write_stroke(&mut self, painting: Painting) {
         let Painting { line, mirrored, layer, value, .. } = painting;
         let named = layer.and_then(|layer| Some((layer, self.document.shot().layers.get(layer)?)));
         let Some((layer, owner)) = named.filter(|_| !line.strokes.is_empty()) else {

@@ -2,7 +2,7 @@
 //!
 //! In: points of the model, names. Out: document changes.
 
-use super::gesture::Gesture;
+use super::gesture::{Click, Gesture};
 use super::{Purpose, Session};
 use crate::edit::track::key_time;
 use crate::edit::worker::Question;
@@ -23,16 +23,20 @@ const WHOLE_RADIUS: f64 = 0.18;
 
 impl Session {
     /// Asks the worker what surface lies under the pointer.
-    pub(super) fn ask_for_point(&mut self, at: ScreenPoint) -> u64 {
+    pub(super) fn ask_for_point(&mut self, at: ScreenPoint, is_whole: bool) -> Click {
         self.next_question += 1;
-        self.worker.ask(Question::Point { id: self.next_question, frame: self.playhead.frame(), at });
-        self.next_question
+        let click = Click { id: self.next_question, frame: self.playhead.frame(), from: at, is_whole };
+        self.worker.ask(Question::Point { id: click.id, frame: click.frame, at });
+        click
     }
 
     /// Handles the answer: places a pin if a layer's surface is visible there, else starts a selection box.
     pub(super) fn picked(&mut self, id: u64, point: Option<PickedPoint>) {
-        let Gesture::Placing { id: wanted, from, at, is_up, is_whole } = self.gesture else { return };
-        if id != wanted {
+        if self.picked_before(id, point.as_ref()) {
+            return;
+        }
+        let Gesture::Placing { click, at, is_up } = self.gesture else { return };
+        if id != click.id {
             return;
         }
         let unmoved = point.as_ref().filter(|point| point.layer.is_none()).map(|point| point.node.clone());
@@ -46,32 +50,33 @@ impl Session {
             if is_up {
                 self.gesture = Gesture::Idle;
             } else {
-                self.gesture = Gesture::Box { from, to: at };
+                self.gesture = Gesture::Box { from: click.from, to: at };
             }
             return;
         };
         self.gesture = Gesture::Idle;
-        if self.place(layer, &point, (from, is_whole)) && !is_up {
-            self.begin_drag(from);
+        if self.place(layer, &point, click) && !is_up {
+            self.begin_drag(click.from);
             self.motion(at);
         }
     }
 
     /// Places a pin at a visible point of the model.
-    fn place(&mut self, layer: usize, point: &PickedPoint, (seen, is_whole): (ScreenPoint, bool)) -> bool {
+    pub(super) fn place(&mut self, layer: usize, point: &PickedPoint, click: Click) -> bool {
         let shot = self.document.shot();
         let Some(owner) = shot.layers.get(layer) else { return false };
         let (layer_name, name) = (owner.name.clone(), free_name(shot, layer, &point.node));
         let at = PinName { layer: &layer_name, pin: &name };
         let mut text = add_pin(self.document.text(), Some(&layer_name), &name, &point.anchor);
         // If the surface is displaced already, the pin holds it there.
+        let seen = click.from;
         if (seen - point.rest).0.length() > AT_REST {
-            let frame = key_time(&shot.frames, owner, self.playhead.frame());
+            let frame = key_time(&shot.frames, owner, click.frame);
             let goal = Goal::Offset(seen - point.rest);
             let key = PinKey { frame, goal, rotate_degrees: None, scale: None, ease: Ease::Smooth };
             text = text.and_then(|text| put_keys(&text, at, &[key]));
         }
-        if is_whole {
+        if click.is_whole {
             let region = PinRegion { radius: WHOLE_RADIUS, rigidity: 1.0, stiffness: 1.0 };
             text = text.and_then(|text| put_region(&text, at, Some(region)));
         }

@@ -69,6 +69,7 @@ impl Session {
             // The frame that is stopped at is drawn as rendered.
             self.go(self.playhead.frame());
         }
+        self.set_gesture_aside();
         let base = Arc::new(self.document.shot().clone());
         if held.part == PinPart::Target
             && let Some(gesture) = self.turn_at(at, ring, &base)
@@ -127,8 +128,8 @@ impl Session {
             self.gesture = Gesture::Box { from: at, to: at };
             return;
         }
-        let id = self.ask_for_point(at);
-        self.gesture = Gesture::Placing { id, from: at, at, is_up: false, is_whole: held.whole };
+        let click = self.ask_for_point(at, held.whole);
+        self.gesture = Gesture::Placing { click, at, is_up: false };
     }
 
     /// Starts dragging the selection.
@@ -211,9 +212,7 @@ impl Session {
     pub(crate) fn release(&mut self) {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => {}
-            Gesture::Placing { id, from, at, is_whole, .. } => {
-                self.gesture = Gesture::Placing { id, from, at, is_up: true, is_whole };
-            }
+            Gesture::Placing { click, at, .. } => self.gesture = Gesture::Placing { click, at, is_up: true },
             Gesture::Box { from, to } => self.choose_box([from, to]),
             Gesture::Drag { has_moved: false, .. } | Gesture::BrushSize { .. } | Gesture::Wipe => {}
             Gesture::Paint(painting) => {
@@ -234,6 +233,7 @@ impl Session {
                 self.document.end_series();
             }
         }
+        self.place_overtaken();
     }
 
     /// Explains why all of a layer moves when its only pin is dragged.
@@ -252,6 +252,7 @@ impl Session {
             _ if self.dragged.is_some() => self.let_go(),
             _ => {}
         }
+        self.place_overtaken();
     }
 
     /// Returns whether a gesture is in progress.

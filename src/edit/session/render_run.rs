@@ -29,6 +29,8 @@ pub(crate) struct RenderRun {
     pub(crate) log: Vec<String>,
     /// Its state.
     pub state: RunState,
+    /// Whether it ended with all of its frames.
+    is_complete: bool,
     /// Paths of finished frames, in order.
     pub(crate) files: Vec<PathBuf>,
 }
@@ -151,13 +153,20 @@ impl RenderRun {
             log.push(format!("no thread can be started: {error}"));
             state = RunState::Ended("Nothing was rendered.".into());
         }
-        Self { shot: path, events, cancel, frames: count, done: 0, log, state, files: Vec::new() }
+        let (done, files, is_complete) = (0, Vec::new(), false);
+        Self { shot: path, events, cancel, frames: count, done, log, state, is_complete, files }
     }
 
     /// Returns whether it is running.
     #[must_use]
     pub(crate) fn is_running(&self) -> bool {
         self.state == RunState::Running
+    }
+
+    /// Returns whether it ended without all of its frames.
+    #[must_use]
+    pub(crate) fn has_failed(&self) -> bool {
+        !self.is_running() && !self.is_complete
     }
 
     /// Cancels it after the frames in flight.
@@ -203,6 +212,7 @@ impl RenderRun {
                 self.log.push(format!("frame {frame}: {error}"));
             }
             Event::Finished(Summary { rendered, failed, is_cancelled, wall_secs, .. }) => {
+                self.is_complete = failed == 0 && !is_cancelled;
                 let end = if is_cancelled { "Cancelled" } else { "Done" };
                 let failed = if failed == 0 { String::new() } else { format!(", {failed} failed") };
                 self.state = RunState::Ended(format!("{end}: {rendered} frames in {wall_secs:.1} s{failed}"));
@@ -227,6 +237,7 @@ mod tests {
             done: 0,
             log: Vec::new(),
             state,
+            is_complete: false,
             files: Vec::new(),
         }
     }
@@ -236,7 +247,7 @@ mod tests {
         let mut run = abandoned();
         assert!(run.pump());
         assert!(matches!(&run.state, RunState::Ended(words) if words.contains("internal error")), "{:?}", run.state);
-        assert!(!run.pump(), "that is told once");
+        assert!(run.has_failed() && !run.pump(), "that is told once");
     }
 
     #[test]

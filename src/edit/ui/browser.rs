@@ -1,7 +1,8 @@
 //! The file browser inside the editor's window, for opening and saving.
 
 use super::accessible::Accessible;
-use eframe::egui::{self, Align, Align2, Key, Label, Layout, RichText, ScrollArea, TextEdit, vec2};
+use eframe::egui::text::{CCursor, CCursorRange};
+use eframe::egui::{self, Align, Align2, Key, Label, Layout, Response, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +34,8 @@ pub(super) struct Browser {
     path: String,
     folder: PathBuf,
     entries: Vec<(String, bool)>,
+    /// Whether the path gets the keyboard focus: it was just opened.
+    is_new: bool,
 }
 
 /// The browser's result.
@@ -53,7 +56,8 @@ impl Browser {
             Purpose::SaveAs => folder.join(near.file_name().unwrap_or_default()),
             Purpose::Open | Purpose::Plate | Purpose::Reference => folder.clone(),
         };
-        let mut browser = Self { purpose, path: path.to_string_lossy().into_owned(), folder, entries: Vec::new() };
+        let path = path.to_string_lossy().into_owned();
+        let mut browser = Self { purpose, path, folder, entries: Vec::new(), is_new: true };
         browser.list();
         browser
     }
@@ -102,8 +106,7 @@ impl Browser {
                     choice = Choice::Cancelled;
                 }
                 let is_chosen = ui.button(verb).accessible("Choose").clicked();
-                let field = TextEdit::singleline(&mut self.path).desired_width(ui.available_width());
-                let response = ui.add(field).accessible("Path");
+                let response = self.path_field(ui);
                 let is_entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if is_chosen || is_entered {
                     choice = self.chosen();
@@ -138,6 +141,18 @@ impl Browser {
         choice
     }
 
+    /// Shows the path. What another one differs in is selected at first, so that it can be typed at once.
+    fn path_field(&mut self, ui: &mut Ui) -> Response {
+        let mut field = TextEdit::singleline(&mut self.path).desired_width(ui.available_width()).show(ui);
+        if std::mem::take(&mut self.is_new) {
+            let [from, to] = typed_part(&self.path, self.purpose).map(CCursor::new);
+            field.state.cursor.set_char_range(Some(CCursorRange::two(from, to)));
+            field.state.store(ui.ctx(), field.response.id);
+            field.response.request_focus();
+        }
+        field.response.response.accessible("Path")
+    }
+
     fn enter(&mut self, folder: PathBuf) {
         let name = Path::new(&self.path).file_name().map(ToOwned::to_owned).filter(|_| self.purpose == Purpose::SaveAs);
         self.path = folder.join(name.unwrap_or_default()).to_string_lossy().into_owned();
@@ -146,12 +161,24 @@ impl Browser {
     }
 
     fn chosen(&mut self) -> Choice {
-        let path = PathBuf::from(self.path.trim());
+        // What is typed without a folder means the one that is listed.
+        let path = self.folder.join(self.path.trim());
         if path.is_dir() {
             self.enter(path);
             return Choice::None;
         }
         Choice::File(if self.purpose == Purpose::SaveAs { shot_path(path) } else { path })
+    }
+}
+
+/// Returns the part of a path, from letter to letter, that another one is typed over: of a shot the name without its ending.
+fn typed_part(path: &str, purpose: Purpose) -> [usize; 2] {
+    let count = |text: &str| text.chars().count();
+    let name = Path::new(path).file_name().map_or(0, |name| count(&name.to_string_lossy()));
+    let ending = Path::new(path).extension().map_or(0, |ending| count(&ending.to_string_lossy()) + 1);
+    match purpose {
+        Purpose::SaveAs => [count(path) - name, count(path) - ending],
+        Purpose::Open | Purpose::Plate | Purpose::Reference => [0, count(path)],
     }
 }
 
@@ -179,7 +206,7 @@ fn sequences(names: &[&str]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Browser, Choice, Purpose, sequences, shot_path};
+    use super::{Browser, Choice, Purpose, sequences, shot_path, typed_part};
     use std::path::{Path, PathBuf};
 
     #[test]
@@ -196,6 +223,22 @@ mod tests {
         for (given, path) in [("a.toml", "a.toml"), ("a.TOML", "a.TOML"), ("a", "a.toml"), ("v1.2", "v1.2.toml")] {
             assert_eq!(shot_path(PathBuf::from(given)), Path::new(path));
         }
+    }
+
+    #[test]
+    fn a_path_is_typed_over_and_of_a_shot_its_name_alone() {
+        assert_eq!(typed_part("/a/b\u{e4}r", Purpose::Open), [0, 6]);
+        assert_eq!(typed_part("/a/b\u{e4}r.toml", Purpose::SaveAs), [3, 6]);
+        assert_eq!(typed_part("/a/b", Purpose::SaveAs), [3, 4]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut browser = Browser::new(Purpose::Open, folder.path());
+        browser.path = "hero.glb".into();
+        let Choice::File(chosen) = browser.chosen() else { panic!("it is a file") };
+        assert_eq!(
+            chosen,
+            folder.path().canonicalize().expect("there").join("hero.glb"),
+            "a name in the listed folder"
+        );
     }
 
     #[test]

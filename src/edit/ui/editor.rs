@@ -42,6 +42,8 @@ pub(crate) struct Editor {
     pub(super) session: Option<Session>,
     /// Renders of shots that are not open any more.
     pub(super) background: Vec<RenderRun>,
+    /// Whether one of these failed since the user was asked about what runs.
+    pub(super) has_background_failed: bool,
     /// Work of killed editors.
     pub(super) left: Vec<Unfinished>,
     fault: Option<String>,
@@ -84,6 +86,7 @@ impl Editor {
             view,
             session: None,
             background: Vec::new(),
+            has_background_failed: false,
             left,
             fault,
             browser: None,

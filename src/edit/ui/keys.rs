@@ -59,7 +59,8 @@ fn has_arrow(chord: &Chord) -> bool {
     matches!(key(chord), Some(Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown))
 }
 
-/// Takes the chords of actions out of the input; returns the actions, nudges as often as they were pressed.
+/// Takes the chords of actions out of the input; returns the actions, steps as often as they were pressed: a slow window gets several
+/// presses at once.
 fn taken(input: &mut InputState, shortcuts: &Shortcuts, mut actions: Vec<Action>) -> Vec<Action> {
     // Chords with more modifiers come first, so that Ctrl+Shift+Z does not match Ctrl+Z.
     let count = |action: &Action| {
@@ -72,7 +73,7 @@ fn taken(input: &mut InputState, shortcuts: &Shortcuts, mut actions: Vec<Action>
             continue;
         };
         let count = input.count_and_consume_key(modifiers(chord), key);
-        let count = if action.nudge().is_some() { count } else { count.min(1) };
+        let count = if action.is_counted() { count } else { count.min(1) };
         found.extend(std::iter::repeat_n(action, count));
     }
     found

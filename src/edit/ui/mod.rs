@@ -53,5 +53,5 @@ mod window;
 pub(crate) use editor::Editor;
 pub(crate) use eframe::egui::Theme;
 pub(crate) use options::EditorOptions;
-pub(crate) use screenshot::screenshot;
+pub(crate) use screenshot::{Screenshot, screenshot};
 pub(crate) use window::run;

@@ -32,6 +32,7 @@ impl Editor {
     /// Does what leaves the open shot, after a question if something is running.
     fn leave_running(&mut self, ctx: &egui::Context, deferred: Deferred) {
         if self.asks_about_running(&deferred) {
+            self.has_background_failed = false;
             self.questions.running = Some(deferred);
         } else {
             self.carry_out(ctx, deferred);
@@ -41,6 +42,13 @@ impl Editor {
     /// Returns whether something runs that leaving the open shot would end or hide.
     fn asks_about_running(&self, deferred: &Deferred) -> bool {
         self.is_running() || *deferred == Deferred::Quit && !self.background.is_empty()
+    }
+
+    /// Returns whether what ran last ended without all of its files.
+    fn has_failed(&self) -> bool {
+        let is_failed =
+            |session: &Session| session.has_export_failed() || session.run().is_some_and(RenderRun::has_failed);
+        self.has_background_failed || self.session.as_ref().is_some_and(is_failed)
     }
 
     /// Returns whether the open shot is rendered or exported.
@@ -71,8 +79,10 @@ impl Editor {
         if !self.asks_about_running(&deferred) {
             // It ended by itself meanwhile.
             self.questions.running = None;
-            // A window that closes now would hide why a run failed.
-            if deferred != Deferred::Quit {
+            // A window that closes now would hide why something failed.
+            if deferred == Deferred::Quit && self.has_failed() {
+                self.shows_render |= self.session.as_ref().is_some_and(|session| session.run().is_some());
+            } else {
                 self.carry_out(ctx, deferred);
             }
             return;
@@ -80,7 +90,9 @@ impl Editor {
         let is_exporting = self.session.as_ref().is_some_and(Session::is_exporting);
         let (title, words) = match (&deferred, is_exporting) {
             (Deferred::Quit, _) => {
-                ("Stop what is running?", "Renders and exports end with the editor. Frames that are finished stay.")
+                let words = "Renders and exports end with the editor; what is finished stays. Left open, this waits for \
+                             them and quits then.";
+                ("Stop what is running?", words)
             }
             (_, true) => ("Cancel the export?", "It cannot go on without its shot. Files that are finished stay."),
             (_, false) => (
@@ -119,6 +131,7 @@ impl Editor {
     pub(super) fn follow_background(&mut self) {
         self.background.iter_mut().for_each(|run| _ = run.pump());
         for run in self.background.extract_if(.., |run| !run.is_running()) {
+            self.has_background_failed |= run.has_failed();
             let (RunState::Ended(words), Some(session)) = (&run.state, &mut self.session) else { continue };
             session.say(format!("{}: {words}", run.shot.display()));
         }

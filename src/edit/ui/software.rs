@@ -122,7 +122,7 @@ impl Triangle {
         let mut weights = [0.0; 3];
         for (k, weight) in weights.iter_mut().enumerate() {
             let [a, b] = [self.at[(k + 1) % 3], self.at[(k + 2) % 3]];
-            *weight = cross(a, b, point);
+            *weight = side(a, b, point);
             let is_top_left = (a[1] == b[1] && b[0] > a[0]) || b[1] < a[1];
             if *weight < 0.0 || *weight == 0.0 && !is_top_left {
                 return None;
@@ -136,6 +136,12 @@ impl Triangle {
         let texel = texture.sample(mix(&|vertex| vertex.uv.x), mix(&|vertex| vertex.uv.y));
         std::array::from_fn(|k| texel[k] * mix(&|vertex| f32::from(vertex.color.to_array()[k])) / 255.0)
     }
+}
+
+/// Returns twice the area of a triangle, with the same magnitude for both directions of the edge from `a` to `b`: rounding must not
+/// leave a pixel between the two triangles of an edge.
+fn side(a: [f32; 2], b: [f32; 2], point: [f32; 2]) -> f32 {
+    if a < b { cross(a, b, point) } else { -cross(b, a, point) }
 }
 
 fn cross(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
@@ -170,5 +176,35 @@ fn blend(pixel: &mut [u8], color: [f32; 4]) {
     let left = 1.0 - color[3] / 255.0;
     for (code, color) in pixel.iter_mut().zip(color) {
         *code = (color + f32::from(*code) * left).round().clamp(0.0, 255.0) as u8;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Color32, pos2, vec2};
+
+    /// Small discs are rectangles with a texture, whose pixels lie on the edge between both triangles.
+    #[test]
+    fn every_pixel_of_a_rectangle_belongs_to_one_of_its_triangles() {
+        let texture = Texture::default();
+        for step in 0..400 {
+            // The diagonal passes through the middle of a pixel, up to rounding.
+            let center = pos2(10.5 + (step % 3) as f32, 12.5 + (step % 5) as f32);
+            let mut mesh = Mesh::default();
+            mesh.add_colored_rect(
+                Rect::from_center_size(center, vec2(9.0, 9.0) * (1.0 + 0.0013 * step as f32)),
+                Color32::WHITE,
+            );
+            mesh.vertices.iter_mut().for_each(|vertex| vertex.color = Color32::from_rgba_premultiplied(90, 90, 90, 90));
+            let mut picture = Preview::transparent(32, 32);
+            draw_mesh(&mut picture, (&mesh, &texture), Rect::EVERYTHING, 1.0);
+            let rect = mesh.calc_bounds();
+            for (place, pixel) in picture.rgba.chunks_exact(4).enumerate() {
+                let at = pos2((place % 32) as f32 + 0.5, (place / 32) as f32 + 0.5);
+                let inside = rect.contains(at);
+                assert_eq!(pixel[3], if inside { 90 } else { 0 }, "{at:?} in {rect:?}");
+            }
+        }
     }
 }

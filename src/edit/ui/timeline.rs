@@ -78,7 +78,7 @@ impl Timeline {
         );
         painter.rect_filled(range, 2, if session.playhead.has_range() { ACCENT } else { weak.gamma_multiply(0.4) });
         // Marks the frames that are cached and thus play immediately.
-        for frame in (first..=last).filter(|&frame| session.picture_of(frame).is_some()) {
+        for frame in session.drawn_frames() {
             let x = scale.x(f64::from(frame));
             let half = (0.5 * scale.per_frame).max(0.5);
             painter.rect_filled(
@@ -88,7 +88,9 @@ impl Timeline {
             );
         }
         let step = nice_step(60.0 / scale.per_frame);
-        for frame in (first..=last).filter(|frame| frame.rem_euclid(step) == 0 || *frame == first) {
+        // The first frame, and multiples of the step.
+        let next = first.saturating_add(step - first.rem_euclid(step));
+        for frame in std::iter::once(first).chain((next..=last).step_by(step.unsigned_abs() as usize)) {
             let x = scale.x(f64::from(frame));
             painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 5.0, Stroke::new(1.0, weak));
             painter.text(pos2(x, rect.top()), Align2::CENTER_TOP, frame, FontId::proportional(10.5), weak);
@@ -157,7 +159,10 @@ impl Timeline {
             let stroke = Stroke::new(1.0, ACCENT);
             painter.rect(Rect::from_two_pos(from, to), 0, Color32::from_white_alpha(14), stroke, StrokeKind::Middle);
         }
-        playhead(&painter, rect, session, scale);
+        // It would cross the words that stand in for rows.
+        if !seen.is_empty() {
+            playhead(&painter, rect, session, scale);
+        }
     }
 
     /// Moves keys, or selects those in a box.

@@ -6,6 +6,7 @@ use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
 use super::mail::{Inbox, Interrupts, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
+use crate::edit::frame_runs::pop_frame;
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
     FrameReport, JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
@@ -119,15 +120,18 @@ impl FrameWorker {
             Purpose::Look => job.is_shown = self.look(job, interrupts, sender)?,
         }
         // Each frame leaves the list before it is drawn, in case a question interrupts.
-        while !interrupts.is_stale() && !job.next.is_empty() {
-            let next = job.next.remove(0);
+        while !interrupts.is_stale()
+            && let Some(next) = job.next.pop_front()
+        {
             self.play_frame(next, job, sender)?;
         }
         // Before the range is solved over time, reports would not match the rendered frames.
         let is_settled = self.open.as_ref().is_some_and(|open| open.prepared().is_settled());
         let mut looked = Instant::now();
-        while is_settled && !interrupts.is_stale() && !job.reports.is_empty() {
-            let frame = job.reports.remove(0);
+        while is_settled
+            && !interrupts.is_stale()
+            && let Some(frame) = pop_frame(&mut job.reports)
+        {
             self.report_frame(frame, job.revision, sender);
             if looked.elapsed() >= WATCH {
                 self.look_at_files(sender);
@@ -239,7 +243,7 @@ impl FrameWorker {
             return Ok(false);
         };
         self.seen = Some((job.frame, Arc::clone(&sample)));
-        self.send_solved(job, (&sample, was_settled), sender);
+        self.send_solved((job.frame, job.revision), (&sample, was_settled), sender);
         let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
         let is_unwanted = || interrupts.is_pen_waiting();
         self.draw((job.frame, job), (&sample, &KeptParts::default(), quality), (LOOK_MS, &is_unwanted), sender)?;
@@ -256,7 +260,7 @@ impl FrameWorker {
             sender.send(Reply::Progress(1.0));
             let sample = prepared.mid_exposure(job.frame)?;
             self.seen = Some((job.frame, Arc::clone(&sample)));
-            self.send_solved(job, (&sample, true), sender);
+            self.send_solved((job.frame, job.revision), (&sample, true), sender);
             self.set_drag_aside(job.frame);
         }
         let Some(open) = &self.open else { return Ok(false) };
@@ -285,8 +289,7 @@ impl FrameWorker {
         let prepared = open.prepared();
         let is_settled = prepared.is_settled();
         let sample = if is_settled { prepared.mid_exposure(frame)? } else { Arc::new(prepared.provisional(frame)?) };
-        let own = Job { frame, ..job.clone() };
-        self.send_solved(&own, (&sample, is_settled), sender);
+        self.send_solved((frame, job.revision), (&sample, is_settled), sender);
         let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
         self.draw((frame, job), (&sample, &KeptParts::default(), quality), (PLAY_MS, &|| false), sender)
     }
@@ -317,7 +320,7 @@ impl FrameWorker {
         };
         drag.take_up(prepared, layers);
         let marks = [&layer_marks(prepared, drag.sample())[..], drag.resting()].concat();
-        let solved = self.solved(job, (drag.sample(), false), marks);
+        let solved = self.solved((job.frame, job.revision), (drag.sample(), false), marks);
         sender.send(Reply::Solved(Arc::new(solved)));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
@@ -346,10 +349,10 @@ impl FrameWorker {
         Ok(true)
     }
 
-    fn send_solved(&mut self, job: &Job, (sample, is_final): (&TimeSample, bool), sender: &ReplySender) {
+    fn send_solved(&mut self, of: (i32, u64), (sample, is_final): (&TimeSample, bool), sender: &ReplySender) {
         let Some(open) = &self.open else { return };
         let marks = [layer_marks(open.prepared(), sample), resting_marks(open.prepared(), sample)].concat();
-        let mut solved = self.solved(job, (sample, is_final), marks);
+        let mut solved = self.solved(of, (sample, is_final), marks);
         // A provisional sample would be remembered as the frame.
         if let Some(open) = self.open.as_ref().filter(|_| is_final) {
             self.jerk.watch(open.prepared(), sample, &mut solved.report);
@@ -357,13 +360,18 @@ impl FrameWorker {
         sender.send(Reply::Solved(Arc::new(solved)));
     }
 
-    fn solved(&self, job: &Job, (sample, is_final): (&TimeSample, bool), marks: Vec<LayerMarks>) -> SolvedFrame {
+    fn solved(
+        &self,
+        (frame, revision): (i32, u64),
+        (sample, is_final): (&TimeSample, bool),
+        marks: Vec<LayerMarks>,
+    ) -> SolvedFrame {
         let of = |open: &OpenShot| match is_final {
-            true => report(open.prepared(), job.frame, sample),
+            true => report(open.prepared(), frame, sample),
             false => Default::default(),
         };
         let report = self.open.as_ref().map(of).unwrap_or_default();
-        SolvedFrame { frame: job.frame, revision: job.revision, marks, report, is_final }
+        SolvedFrame { frame, revision, marks, report, is_final }
     }
 
     /// Draws a draft, unless it becomes unwanted.
@@ -381,9 +389,7 @@ impl FrameWorker {
         let drawn = open.prepared().draft(self.device.as_deref_mut(), (sample, kept), size, is_unwanted)?;
         let Some(drawn) = drawn else { return Ok(()) };
         let picture = Picture::of(&drawn, (frame, job.revision), quality);
-        if self.device.is_some() {
-            self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
-        }
+        self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
         sender.send(Reply::Drawn(Arc::new(picture)));
         Ok(())
     }

@@ -21,9 +21,9 @@ pub(in crate::edit) struct Job {
     /// The purpose of the request.
     pub purpose: Purpose,
     /// Frames to draw afterwards, in order.
-    pub next: Vec<i32>,
-    /// Frames to report after those, in order, without a picture.
-    pub reports: Vec<i32>,
+    pub next: VecDeque<i32>,
+    /// Runs of frames to report after those, in order, without a picture: first and last.
+    pub reports: VecDeque<[i32; 2]>,
     /// Whether the unwarped frame is requested, too.
     pub with_before: bool,
     /// Whether the rendered frame was already sent: an interrupted job then continues with the next frames.

@@ -117,6 +117,15 @@ impl<'a> Painter<'a> {
         Ok(Frame { display, data_window: display, pixel_aspect, channels }.crop_to_covered())
     }
 
+    /// Returns one sample, with colour alone.
+    pub(super) fn draft(&mut self, sample: &TimeSample) -> Frame {
+        let size = self.gallery.frame;
+        let named = CHANNELS.into_iter().zip(self.beauty(sample));
+        let channels = named.map(|(name, samples)| channel(name, self.gallery.storage, samples)).collect();
+        let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
+        Frame { display, data_window: display, pixel_aspect, channels }
+    }
+
     /// Returns the warnings of the pictures drawn last.
     pub(super) fn warnings(&self) -> Vec<String> {
         self.warped_pictures.iter().flatten().flat_map(|warped| warped.warnings.iter().cloned()).collect()

@@ -9,7 +9,7 @@ use crate::pipeline::draw::passes::mid_shutter;
 use crate::pipeline::evaluate::screen_layer;
 use crate::pipeline::evaluate::timed_layer;
 use crate::pipeline::evaluate::timed_world::Unsolved;
-use crate::pipeline::pictures::paint_frame;
+use crate::pipeline::pictures::{paint_draft, paint_frame};
 use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
 use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
@@ -129,7 +129,7 @@ impl PreparedShot {
         KeptParts::new(is_kept)
     }
 
-    /// Draws a solved time with one sample per pixel; `None` if it was cancelled. `kept`: parts that have been built for this time before.
+    /// Draws a solved time with one sample per pixel, plates in their own size; `None` if it was cancelled. `kept`: parts that have been built for this time before.
     ///
     /// # Errors
     /// [`PipelineError`] if drawing fails.
@@ -154,7 +154,7 @@ impl PreparedShot {
                 device.finish()?
             }
             (_, Source::Frame) => self.warped_plate(sample)?,
-            _ => paint_frame(self, sample, &[sample.frame], &|_| Ok(sample.clone().into()))?,
+            _ => paint_draft(self, sample, size)?,
         };
         Ok(Some(drawn))
     }

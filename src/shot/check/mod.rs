@@ -20,7 +20,7 @@ mod transfer;
 
 use super::document::{Document, syntax_error};
 use super::raw::{RawClip, RawFrames, RawShot, RawShutter, RawSpace};
-use super::{ClipName, FrameRange, KeyLines, Shot, ShotError, Shutter, Source, hints, schema, structure};
+use super::{ClipName, FrameRange, KeyLines, PlateSize, Shot, ShotError, Shutter, Source, hints, schema, structure};
 use crate::space::FrameSize;
 use std::collections::HashSet;
 use toml::de::DeValue;
@@ -28,16 +28,16 @@ use toml::de::DeValue;
 /// The only supported version.
 const VERSION: &str = "1";
 
-/// Checks a document.
+/// Checks a document. `plate_size`: the size of a plate in one of these frames, from first to last.
 ///
 /// # Errors
 /// [`ShotError`]: all independent faults.
-pub(super) fn shot(document: &Document) -> Result<Shot, ShotError> {
+pub(super) fn shot(document: &Document, plate_size: PlateSize) -> Result<Shot, ShotError> {
     // Another version may have other keys, so no further checks make sense.
     if let Some(fault) = version_fault(document) {
         return Err(fault);
     }
-    let mut check = Check { document, faults: structure::faults(document) };
+    let mut check = Check { document, plate_size, faults: structure::faults(document) };
     match toml::from_str::<RawShot>(document.text) {
         Ok(raw) => {
             let shot = check.shot(raw);
@@ -66,6 +66,7 @@ fn version_fault(document: &Document) -> Option<ShotError> {
 /// A document, and the faults found so far.
 struct Check<'a> {
     document: &'a Document<'a>,
+    plate_size: PlateSize<'a>,
     faults: Vec<ShotError>,
 }
 

@@ -3,7 +3,7 @@
 //! In: the raw shot, its source and plate. Out: the size.
 
 use super::Check;
-use crate::image::{picture_size, plate_size};
+use crate::image::picture_size;
 use crate::shot::raw::RawShot;
 use crate::shot::{FrameRange, Source};
 use crate::space::FrameSize;
@@ -28,7 +28,7 @@ impl Check<'_> {
         }
         let shown = match source {
             Source::Images(images) => images.first().map(|image| picture_size(image)),
-            Source::Frame => plate.and_then(|plate| plate_size(plate, [frames.first, frames.last])).map(Ok),
+            Source::Frame => plate.and_then(|plate| (self.plate_size)(plate, [frames.first, frames.last])).map(Ok),
             Source::Scene(_) => None,
         };
         match shown {
