@@ -134,27 +134,19 @@ fn checkered(width: u32, height: u32) -> Preview {
     picture
 }
 
-/// Drags of large drawings would be slow otherwise.
-#[test]
-fn a_draft_of_a_drawing_is_as_small_as_wanted_and_shows_the_same() {
-    let folder = tempfile::tempdir().expect("a folder");
-    write_png(&folder.path().join("drawing.png"), &checkered(192, 108)).expect("written");
-    let text = "image = 'drawing.png'\nframes = { first = 1, last = 1 }\n[[layer]]\nname = 'all'\n\
-                lattice = { dims = [6, 6], topology = 'plain' }\n\
-                [[layer.pin]]\nname = 'a'\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
-                [[layer.pin]]\nname = 'b'\nanchor = { screen = [1.3, 0.5], frame = 1 }\n\
-                keys = [{ frame = 1, offset = [-0.1, 0.1] }]\n";
-    let shot = Shot::parse(text, &folder.path().join("shot.toml")).expect("a shot");
-    let prepared = PreparedShot::new(shot).expect("it loads");
+/// The pixels of a draft of frame 1.
+fn draft(prepared: &PreparedShot, [width, height]: [u32; 2]) -> Vec<u8> {
     let sample = prepared.provisional(1).expect("solved");
-    let draft = |width: u32, height: u32| {
-        let (size, kept) = (FrameSize::new(width, height), KeptParts::default());
-        let frame = prepared.draft(None, (&sample, &kept), size, &|| false).expect("drawn").expect("not cancelled");
-        let drawn = preview(&frame);
-        assert_eq!((drawn.width, drawn.height), (width, height));
-        drawn.rgba
-    };
-    let (full, half) = (draft(192, 108), draft(96, 54));
+    let (size, kept) = (FrameSize::new(width, height), KeptParts::default());
+    let frame = prepared.draft(None, (&sample, &kept), size, &|| false).expect("drawn").expect("not cancelled");
+    let drawn = preview(&frame);
+    assert_eq!((drawn.width, drawn.height), (width, height));
+    drawn.rgba
+}
+
+/// Checks that a draft of half the size shows the same as one of 192 x 108 pixels, and is warped.
+fn assert_half_shows_the_same(prepared: &PreparedShot) {
+    let (full, half) = (draft(prepared, [192, 108]), draft(prepared, [96, 54]));
     let [mut count, mut sum] = [0.0; 2];
     for (index, small) in half.chunks_exact(4).enumerate() {
         let [x, y] = [2 * (index % 96), 2 * (index / 96)];
@@ -167,7 +159,39 @@ fn a_draft_of_a_drawing_is_as_small_as_wanted_and_shows_the_same() {
     }
     assert!(count > 0.8 * 96.0 * 54.0 && sum / count < 4.0, "{count} pixels differ by {:.2} on average", sum / count);
     assert!(half != checkered(96, 54).rgba, "it is warped");
-    assert_eq!(half, draft(96, 54), "what is kept of the size is the same");
+    assert_eq!(half, draft(prepared, [96, 54]), "what is kept of the size is the same");
+}
+
+/// A lattice that bends what it holds.
+const BENT: &str = "frames = { first = 1, last = 1 }\n[[layer]]\nname = 'all'\n\
+                    lattice = { dims = [6, 6], topology = 'plain' }\n\
+                    [[layer.pin]]\nname = 'a'\nanchor = { screen = [0.4, 0.5], frame = 1 }\n\
+                    [[layer.pin]]\nname = 'b'\nanchor = { screen = [1.3, 0.5], frame = 1 }\n\
+                    keys = [{ frame = 1, offset = [-0.1, 0.1] }]\n";
+
+/// Drags of large drawings would be slow otherwise.
+#[test]
+fn a_draft_of_a_drawing_is_as_small_as_wanted_and_shows_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_png(&folder.path().join("drawing.png"), &checkered(192, 108)).expect("written");
+    let shot = Shot::parse(&format!("image = 'drawing.png'\n{BENT}"), &folder.path().join("shot.toml"));
+    assert_half_shows_the_same(&PreparedShot::new(shot.expect("a shot")).expect("it loads"));
+}
+
+/// Plates are decoded once for a drag, and again when their file changes.
+#[test]
+fn a_draft_of_a_plate_is_as_small_as_wanted_and_shows_the_file_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plate = folder.path().join("plate.png");
+    write_png(&plate, &checkered(192, 108)).expect("written");
+    let text = format!("plate = 'plate.png'\nsize = [192, 108]\n{BENT}");
+    let shot = Shot::parse(&text, &folder.path().join("shot.toml")).expect("a shot");
+    let prepared = PreparedShot::new(shot).expect("it loads");
+    assert_half_shows_the_same(&prepared);
+    let mut black = Preview::transparent(192, 108);
+    black.rgba.as_chunks_mut::<4>().0.fill([0, 0, 0, 255]);
+    write_png(&plate, &black).expect("written");
+    assert_eq!(draft(&prepared, [96, 54]), [0, 0, 0, 255].repeat(96 * 54));
 }
 
 #[test]

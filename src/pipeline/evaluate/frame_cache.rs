@@ -3,6 +3,7 @@
 
 use super::followed_box::BoundsCache;
 use crate::pipeline::TimeSample;
+use crate::pipeline::pictures::plate_drafts::PlateDrafts;
 use crate::pipeline::prepare::brush_strokes::StrokeCache;
 use crate::pipeline::prepare::known_far_points::KnownFarPoints;
 use crate::pipeline::prepare::slenderness::Slenderness;
@@ -35,6 +36,8 @@ pub(in crate::pipeline) struct FrameCache {
     pub(in crate::pipeline) strokes: StrokeCache,
     /// Where the brush is mirrored on layers; `None`: nowhere.
     pub(in crate::pipeline) mirrors: Mutex<HashMap<usize, Option<LayerMirror>>>,
+    /// Plates for drafts.
+    pub(in crate::pipeline) plate_drafts: PlateDrafts,
     /// Bounds of world layers.
     pub(in crate::pipeline) world_bounds: BoundsCache<3>,
     /// Trajectories of screen layers.

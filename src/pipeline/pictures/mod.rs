@@ -9,6 +9,7 @@ mod drawing;
 mod element;
 mod frames;
 mod paint;
+pub(super) mod plate_drafts;
 mod read;
 
 pub(super) use draft::paint_draft;

@@ -4,7 +4,7 @@
 
 use crate::image::{Channel, Frame, Plate, PlatePart, Storage};
 use crate::pipeline::PipelineError;
-use crate::plate::{ColorLayer, Filter, Planes, WarpMap, color_layers, resampled};
+use crate::plate::{ColorLayer, Planes, color_layers, scaled};
 use crate::scene::Picture;
 use crate::shot::Shot;
 use crate::space::{FrameSize, PixelRect};
@@ -124,24 +124,9 @@ impl FlatPicture {
 
     /// Resamples the picture to another frame size, with a filter as wide as the larger of source and destination pixels.
     pub(super) fn scaled(&self, from: FrameSize, to: FrameSize) -> Self {
-        let factor = [f64::from(from.width) / f64::from(to.width), f64::from(from.height) / f64::from(to.height)];
-        let along = |start: i32, length: u32, factor: f64| {
-            let end = (f64::from(start) + f64::from(length)) / factor;
-            let start = (f64::from(start) / factor).floor();
-            (start as i32, (end.ceil() - start).max(0.0) as u32)
-        };
         let part = self.part();
-        let (x, width) = along(part.data_window.x, part.data_window.width, factor[0]);
-        let (y, height) = along(part.data_window.y, part.data_window.height, factor[1]);
-        let window = PixelRect { x, y, width, height };
-        // Coordinates are relative to the frame: the source of pixel (i, j) is ((i + .5) fx, (j + .5) fy).
-        let mut map = WarpMap::identity(from, window);
-        for (index, offset) in map.offsets.iter_mut().enumerate() {
-            let place = [x + (index % width as usize) as i32, y + (index / width as usize) as i32];
-            *offset = [0, 1].map(|axis| ((f64::from(place[axis]) + 0.5) * (factor[axis] - 1.0)) as f32);
-        }
         let planes = part.channels.iter().map(|channel| channel.samples.as_slice()).collect();
-        let planes = resampled(&map, &Planes { window: part.data_window, planes }, Filter::Ewa);
+        let (window, planes) = scaled(&Planes { window: part.data_window, planes }, from, to);
         Self { path: self.path.clone(), name: self.name.clone(), plate: pictured(to, window, planes), ..*self }
     }
 }

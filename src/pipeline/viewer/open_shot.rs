@@ -146,7 +146,7 @@ impl OpenShot {
         let mut cache = FrameCache::default();
         (cache.world_bounds, cache.rest) = (old.world_bounds, old.rest);
         (cache.strokes, cache.mirrors, cache.slenderness) = (old.strokes, old.mirrors, old.slenderness);
-        cache.far_points = old.far_points;
+        (cache.far_points, cache.plate_drafts) = (old.far_points, old.plate_drafts);
         if is_scene_still {
             (cache.screen_bounds, cache.picture_changes) = (old.screen_bounds, old.picture_changes);
         }

@@ -13,7 +13,7 @@ use crate::pipeline::pictures::{paint_draft, paint_frame};
 use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
 use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
-use crate::plate::{LayerJob, PlateJob, warp_plate};
+use crate::plate::{LayerJob, Matte, PlateJob, warp_plate};
 use crate::raster::geometry::IsCancelled;
 use crate::raster::geometry::KeptParts;
 use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
@@ -21,6 +21,7 @@ use crate::shot::{LayerSpace, Source};
 use crate::solve::SolveError;
 use crate::space::FrameSize;
 use glam::Vec2;
+use std::path::PathBuf;
 
 /// A device that draws frames and can be sent between threads.
 pub(crate) type Device = dyn Raster + Send + 'static;
@@ -129,7 +130,7 @@ impl PreparedShot {
         KeptParts::new(is_kept)
     }
 
-    /// Draws a solved time with one sample per pixel, plates in their own size; `None` if it was cancelled. `kept`: parts that have been built for this time before.
+    /// Draws a solved time with one sample per pixel; `None` if it was cancelled. `kept`: parts that have been built for this time before.
     ///
     /// # Errors
     /// [`PipelineError`] if drawing fails.
@@ -153,7 +154,7 @@ impl PreparedShot {
                 device.draw(&Pass { geometry: &geometry, jitter_px: Vec2::ZERO, role: PassRole::Beauty })?;
                 device.finish()?
             }
-            (_, Source::Frame) => self.warped_plate(sample)?,
+            (_, Source::Frame) => self.warped_plate_draft(sample, size)?,
             _ => paint_draft(self, sample, size)?,
         };
         Ok(Some(drawn))
@@ -189,9 +190,29 @@ impl PreparedShot {
 
     /// Returns the plate of a sample's frame, warped by its layers.
     fn warped_plate(&self, sample: &TimeSample) -> Result<Frame, PipelineError> {
-        let Some(pattern) = &self.shot.plate else { return Ok(self.blank()) };
+        let Some(path) = self.plate_path(sample)? else { return Ok(self.blank()) };
+        self.warped(&read_any(&path)?, sample)
+    }
+
+    /// As [`Self::warped_plate`], smaller by as much as `size` is smaller than the shot, with the channels that are shown. Mattes need
+    /// all channels in their own size, except for alpha.
+    fn warped_plate_draft(&self, sample: &TimeSample, size: FrameSize) -> Result<Frame, PipelineError> {
+        if self.shot.layers.iter().any(|layer| !matches!(layer.matte, None | Some(Matte::Alpha))) {
+            return self.warped_plate(sample);
+        }
+        let Some(path) = self.plate_path(sample)? else { return Ok(self.blank()) };
+        self.warped(&*self.cache.plate_drafts.of(&path, [self.shot.size, size])?, sample)
+    }
+
+    /// Returns the file of the plate of a sample's frame; `None` if the shot has no plate.
+    fn plate_path(&self, sample: &TimeSample) -> Result<Option<PathBuf>, PipelineError> {
+        let Some(pattern) = &self.shot.plate else { return Ok(None) };
         let frame = (sample.frame - mid_shutter(self.shot.shutter)).round() as i32;
-        let plate = read_any(&SequencePath::of_input(pattern)?.path_of(frame))?;
+        Ok(Some(SequencePath::of_input(pattern)?.path_of(frame)))
+    }
+
+    /// Returns a plate, warped by the layers of a sample.
+    fn warped(&self, plate: &Plate, sample: &TimeSample) -> Result<Frame, PipelineError> {
         let settings = self.shot.warp.in_pixels(plate.frame_size());
         let moved = self.shot.layers.iter().zip(&sample.layers).filter_map(|(layer, state)| {
             let field = state.field(layer.matte.is_none())?;
@@ -205,7 +226,7 @@ impl PreparedShot {
             })
         });
         let job = PlateJob { layers: moved.collect(), settings: &settings, fill: None };
-        Ok(warp_plate(&plate, &job).map(|(plate, _): (Plate, _)| plate.into_frame())?)
+        Ok(warp_plate(plate, &job).map(|(plate, _): (Plate, _)| plate.into_frame())?)
     }
 
     /// Returns an empty frame.
