@@ -10,7 +10,7 @@ use limbs::{Key, Limb, PIXEL};
 use pinwarp::lattice::Lattice;
 use pinwarp::solve::{
     Cancel, Coupling, PointPin, Problem, Settings, Solution, SolveError, Targets, TimedProblem, Timeline, Trajectory,
-    solve,
+    active_cells, solve,
 };
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -221,7 +221,12 @@ fn a_trajectory_of_random_limbs_has_no_jumps() {
 fn guarded_limbs_neither_fold_nor_jump() {
     let folds = |motion: &Motion| {
         let trajectory = motion.trajectory.as_ref().expect("it is solved over time");
-        let at_frame = |frame: i32| at(motion.limb, trajectory, f64::from(frame)).report.folded_model_cells;
+        let at_frame = |frame: i32| {
+            let time = f64::from(frame);
+            let shape = motion.limb.at(time).expect("a problem").expect("pins act").shape;
+            let lattice = at(motion.limb, trajectory, time).lattice;
+            lattice.folds(&active_cells(&lattice.grid, &shape)).active_count
+        };
         (0..=LAST as i32).map(at_frame).sum::<usize>()
     };
     let limbs = (0..30).map(|seed| Limb::random(seed, 0.3, LAST));

@@ -217,7 +217,7 @@ fn an_editor_that_was_told_to_quit_does_so_when_what_runs_has_ended() {
         }
         commands.contains(&ViewportCommand::Close)
     };
-    let (stage, mut window) = opened_with(PINS);
+    let (_stage, mut window) = opened_with(PINS);
     for is_success in [false, true] {
         let session = window.state_mut().as_mut().and_then(Editor::session_mut).expect("a shot is open");
         let end = session.pretend_export(&EXPORTS[0]);
@@ -228,18 +228,6 @@ fn an_editor_that_was_told_to_quit_does_so_when_what_runs_has_ended() {
         assert_eq!(quits(&mut window), is_success);
         assert!(!has(&window, "Stop and quit"));
     }
-    // A render that fails: the folder of its frames is a file.
-    let folder = stage.folder.path().join("out");
-    fs::write(&folder, "").expect("written");
-    let mut window = self::window(&stage.state(), Some(&stage.shot()));
-    settled(&mut window);
-    press(&mut window, Modifiers::COMMAND, Key::R);
-    click(&mut window, &["Close window"]);
-    close(&mut window);
-    let ended = |window: &Window| session(window).run().is_some_and(|run| run.state != RunState::Running);
-    until(&mut window, "it ends", ended);
-    assert!(!quits(&mut window) && !has(&window, "Stop and quit"));
-    assert!(says(&window, "Nothing was rendered") || says(&window, "failed"), "its log: {:?}", texts(&window));
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! Anderson acceleration, while that costs less than a new one.
 
 use super::points::{BarrierPoints, PenalisedPoint};
-use super::potential::MIN_DET;
+use super::potential::{MIN_DET, STRENGTH};
 use super::reactions::Reactions;
 use crate::solve::anderson::Anderson;
 use crate::solve::cached_factor::CachedFactor;
@@ -14,9 +14,6 @@ use crate::solve::energy::RotationHessian;
 use crate::solve::linalg::factorization::Factorization;
 use crate::solve::minimization::{Minimization, MinimizationResult, largest_step};
 use crate::solve::newton::steps_left;
-
-/// Strength of the barrier, in units of the stiffness of the shape.
-pub(super) const STRENGTH: f64 = 1.0;
 
 /// Fraction of the distance to the pole that a step may take.
 pub(super) const CAUTION: f64 = 0.9;

@@ -16,10 +16,9 @@ mod reactions;
 use super::cancel::Cancel;
 use super::linalg::normal_matrix::NormalMatrix;
 use crate::lattice::{Grid, Lattice};
-use descent::STRENGTH;
 pub(crate) use points::BarrierPart;
 use points::{BarrierPoints, CellOfPart, FINE};
-use potential::ACTIVATION_DET;
+use potential::{ACTIVATION_DET, STRENGTH};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 

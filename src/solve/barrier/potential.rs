@@ -10,6 +10,9 @@ pub(crate) const ACTIVATION_DET: f64 = 0.2;
 /// d₀: the determinant at which the potential is infinite. It is above 0 so that det J stays positive between the samples.
 pub(crate) const MIN_DET: f64 = 0.02;
 
+/// Strength of the barrier, in units of the stiffness of the shape.
+pub(super) const STRENGTH: f64 = 1.0;
+
 /// Returns φ, φ' and φ''; infinite at and below the pole.
 pub(crate) fn potential(det: f64) -> [f64; 3] {
     if det >= ACTIVATION_DET {
