@@ -112,6 +112,14 @@ impl<const D: usize> Grid<D> {
         })
     }
 
+    /// Returns the number of a cell, x fastest, from its place between handles as in [`super::Folds::cells`], which also counts the
+    /// handles outside the box.
+    #[must_use]
+    pub(crate) fn cell_between_handles(&self, place: &[usize; D]) -> usize {
+        let margin = self.basis.margin();
+        (0..D).rev().fold(0, |cell, axis| cell * self.basis.spans(self.dims[axis]) + place[axis] - margin)
+    }
+
     /// Returns the extent of the box on an axis.
     #[must_use]
     pub fn size(&self, axis: usize) -> f64 {

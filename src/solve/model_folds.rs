@@ -35,9 +35,7 @@ impl<const D: usize> ModelCells<D> {
     pub(crate) fn folds_and_active(&self, lattice: &Lattice<D>) -> (Folds<D>, Vec<[usize; D]>) {
         let grid = &lattice.grid;
         let whole = lattice.folds(&self.is_active);
-        let number = |place: &[usize; D]| {
-            (0..D).rev().fold(0, |cell, d| cell * grid.basis.spans(grid.dims[d]) + place[d] - grid.basis.margin())
-        };
+        let number = |place: &[usize; D]| grid.cell_between_handles(place);
         let width = match grid.basis.support() {
             Support::Tensor { width } if whole.active_count > 0 && !self.triangles.is_empty() => width,
             Support::Tensor { .. } | Support::Simplex | Support::Global => {

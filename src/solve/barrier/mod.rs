@@ -92,11 +92,8 @@ impl<const D: usize> Barrier<D> {
             };
             let mut is_active = vec![false; self.grid.cell_count()];
             part.cells.iter().for_each(|&cell| is_active[cell] = true);
-            let margin = self.grid.basis.margin();
             for place in (Lattice { grid: self.grid.clone(), handles }).active_folds(&is_active, 0.0).cells {
-                let cell = (0..D)
-                    .rev()
-                    .fold(0, |cell, axis| cell * self.grid.basis.spans(self.grid.dims[axis]) + place[axis] - margin);
+                let cell = self.grid.cell_between_handles(&place);
                 folded.extend(is_active[cell].then_some([number, cell]));
             }
         }

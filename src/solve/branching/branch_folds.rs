@@ -38,11 +38,7 @@ impl<const D: usize> BranchedLattice<D> {
         if whole.active_count == 0 {
             return Folds { cells: Vec::new(), ..whole };
         }
-        let margin = grid.basis.margin();
-        let number = |place: &[usize; D]| {
-            (0..D).rev().fold(0, |cell, axis| cell * grid.basis.spans(grid.dims[axis]) + place[axis] - margin)
-        };
-        let folded: Vec<usize> = whole.cells.iter().map(number).collect();
+        let folded: Vec<usize> = whole.cells.iter().map(|place| grid.cell_between_handles(place)).collect();
         let mut polygons = CellPolygons::within(grid, folded.iter().copied());
         for (cut, _) in cuts.iter().zip(&pieces.of_cuts).filter(|(_, piece)| branch_of[**piece] == branch) {
             polygons.add(cut.cell, &cut.polygon.mapped(|corner| grid.upright_from_point(corner)));
