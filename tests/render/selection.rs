@@ -224,6 +224,19 @@ fn what_a_layer_has_only_a_little_of_moves_only_a_little() {
     );
 }
 
+#[test]
+fn a_pin_on_the_screen_where_its_layer_is_not_seen_is_told() {
+    let notes = |at: &str| {
+        let pin = format!("[[layer.pin]]\nname = \"p\"\nanchor = {{ screen = {at} }}\n");
+        let hold = "[[layer.pin]]\nname = \"q\"\nanchor = { screen = [0.75, 0.5], frame = 1 }\n";
+        let notes = Studio::tiny(&quad(), &(layer("all", "") + &pin + hold)).prepared().notes;
+        notes.into_iter().filter(|note| note.contains("pin 'p' is fixed on the screen")).collect::<Vec<_>>()
+    };
+    let told = notes("[0.02, 0.97]");
+    assert!(told.len() == 1 && told[0].contains("at 0.02, 0.97, where the layer is not seen in frame 1"), "{told:?}");
+    assert!(notes("[0.75, 0.5]").is_empty());
+}
+
 /// A shot of a file, seen by one of the views.
 fn studio(scene: &Path, view: &str, layers: &str) -> Studio {
     let text = format!(

@@ -19,6 +19,7 @@ pub(super) mod mirrored_pins;
 pub(super) mod missing_files;
 pub(super) mod picture_cuts;
 pub(super) mod picture_parts;
+mod pin_notes;
 pub(super) mod prepared_shot;
 pub(super) mod reflection;
 pub(super) mod rest_links;
@@ -59,9 +60,6 @@ const MAX_PIXELS: u64 = 1 << 28;
 
 /// Number of handles along an axis above which a basis without local support is reported as costly.
 const MANY_GLOBAL_HANDLES: usize = 24;
-
-/// Fraction of the mesh moved by a layer at a pin, below which the pin is reported.
-const FULL_FRACTION: f64 = 0.99;
 
 impl PreparedShot {
     /// Loads the scene of a shot and prepares the shot.
@@ -214,7 +212,7 @@ pub(in crate::pipeline) fn attach_pins(prepared: &mut PreparedShot, first: &Pose
     }
     mirrored_pins::attach(prepared)?;
     divide_links(prepared, first);
-    let notes = notes_on_pins(prepared, first);
+    let notes = pin_notes::notes_on_pins(prepared, first);
     prepared.notes.extend(notes);
     Ok(())
 }
@@ -240,39 +238,6 @@ fn inside_border(point: ScreenPoint, size: FrameSize) -> Option<ScreenPoint> {
     let inside = point.0.clamp(DVec2::splat(0.01 * pixel), DVec2::new(size.aspect(), 1.0) - 0.01 * pixel);
     let is_near = inside != point.0 && (inside - point.0).abs().max_element() <= 0.5 * pixel;
     is_near.then_some(ScreenPoint(inside))
-}
-
-/// Returns notes on pins that are attached to points that their layers do not move, or not fully.
-fn notes_on_pins(prepared: &PreparedShot, first: &Pose) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (index, layer) in prepared.shot.layers.iter().enumerate() {
-        for (pin, pinned) in layer.pins.iter().zip(prepared.anchors_of(index)) {
-            if let (PinAnchor::Surface { part, .. }, Some(text)) =
-                (pinned, note_on_pin(&prepared.assignment, index, pinned))
-            {
-                let node = &prepared.scene.nodes[first.parts[*part].node].name;
-                notes.push(format!("layer '{}': pin '{}' sits on '{node}', {text}", layer.name, pin.name));
-            }
-        }
-    }
-    notes
-}
-
-/// Returns a note on a pin that is attached to a point that its layer does not move, or not fully.
-fn note_on_pin(assignment: &LayerAssignment, layer: usize, pinned: &PinAnchor) -> Option<String> {
-    let PinAnchor::Surface { part, corners, barycentric, .. } = pinned else { return None };
-    if !assignment.parts_of_layer[layer].contains(part) {
-        return Some("which the layer does not move; the pin still follows it".into());
-    }
-    let share = assignment.share(layer, *part);
-    let moved: f64 = corners.iter().zip(barycentric).map(|(&corner, weight)| share.at(corner) * weight).sum();
-    (moved < FULL_FRACTION).then(|| {
-        let percent = (100.0 * moved).round();
-        format!(
-            "where the layer moves {percent} % of the mesh: the pin moves it only that far; pin it farther inside, or reduce \
-             `feather`"
-        )
-    })
 }
 
 /// Adds notes on layers that are not moved.
