@@ -8,6 +8,7 @@ use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::{Scene, cut_card};
 use crate::shot::{Cut, Shot, Source};
+use crate::space::screen_from_uv;
 use std::collections::BTreeMap;
 
 /// What borders of parts may be moved for the sake of fewer triangles, in pixels: the steps of pixels are no shape.
@@ -85,9 +86,9 @@ impl PictureCuts {
     }
 }
 
-/// Converts lines over the unit square, y down, to the screen.
+/// Converts lines over the unit square, v down, to the screen.
 fn on_screen(mut lines: Vec<Vec<[f64; 2]>>, aspect: f64) -> Vec<Vec<[f64; 2]>> {
-    lines.iter_mut().flatten().for_each(|point| *point = [aspect * point[0], 1.0 - point[1]]);
+    lines.iter_mut().flatten().for_each(|point| *point = screen_from_uv(*point, aspect));
     lines
 }
 

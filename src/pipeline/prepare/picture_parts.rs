@@ -11,7 +11,7 @@ use crate::pipeline::PipelineError;
 use crate::pipeline::pictures::{drawing_in, drawing_of};
 use crate::plate::{PlateError, channel_labels, chosen_labels, cryptomatte_labels};
 use crate::shot::{Cut, IdChoice, IdPicture, LineArt, PaintedMask, Selection, Shot};
-use crate::space::FrameSize;
+use crate::space::{FrameSize, uv_from_screen};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -122,7 +122,7 @@ impl PictureParts<'_> {
                 let hint = format!("give x from 0 to {aspect:.4} and y from 0 to 1, in frame heights, y up");
                 return Err(Fault::new(&key, what, hint));
             }
-            match inside.at(self.over_picture([x, y])) {
+            match inside.at(uv_from_screen([x, y], aspect)) {
                 NO_LABEL => {
                     let what = format!("{x}, {y} lies on a line, or outside of what the lines close");
                     Err(Fault::new(&key, what, "move it into a region; lower `gap` if the region is narrow"))
@@ -146,16 +146,6 @@ impl PictureParts<'_> {
         let hint = "paint it over the picture; other sizes of that shape will do";
         Err(Fault::new(&format!("{key}.file"), what, hint))
     }
-
-    /// Converts a point of the screen to the unit square, y down.
-    fn over_picture(&self, at: [f64; 2]) -> [f64; 2] {
-        over_picture(at, self.shot.size)
-    }
-}
-
-/// Converts a point of the screen to the unit square over the frame, y down.
-fn over_picture([x, y]: [f64; 2], size: FrameSize) -> [f64; 2] {
-    [x / size.aspect(), 1.0 - y]
 }
 
 /// Returns the part that has most of each triangle of a picture in a frame of this size; of equal shares, the one with the smaller label.
@@ -165,7 +155,7 @@ pub(super) fn parts_of_triangles(mesh: &RestMesh, map: &LabelMap, size: FrameSiz
         // The middles of equal cells, so that no place lies on a side.
         .map(|counts| counts.map(|count| (count as f64 + 1.0 / 3.0) / PLACES as f64))
         .collect();
-    let points: Vec<[f64; 2]> = mesh.flat().into_iter().map(|point| over_picture(point, size)).collect();
+    let points: Vec<[f64; 2]> = mesh.flat().into_iter().map(|point| uv_from_screen(point, size.aspect())).collect();
     let most = |corners: &[u32; 3]| {
         let corners = corners.map(|corner| points[corner as usize]);
         let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
