@@ -57,7 +57,7 @@ mod yielding_rows;
 #[cfg(test)]
 pub(crate) use active_cells::active_cells;
 pub(crate) use branching::nearest_barycentric;
-pub(crate) use linalg::small_matrix::symmetric_eigen;
+pub(crate) use linalg::small_matrix::{distance, symmetric_eigen};
 pub(crate) use model_folds::ModelCells;
 
 pub(crate) use branching::Bending;
