@@ -24,6 +24,7 @@
 pub mod space;
 
 mod files;
+mod simd;
 mod smoothstep;
 mod spelling;
 
