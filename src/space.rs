@@ -228,6 +228,21 @@ impl FrameSize {
     pub const fn window(self) -> PixelRect {
         PixelRect { x: 0, y: 0, width: self.width, height: self.height }
     }
+
+    /// Returns the frame with the window of all its pixels.
+    #[must_use]
+    pub const fn whole(self) -> FrameWindow {
+        FrameWindow { frame: self, window: self.window() }
+    }
+}
+
+/// A window of pixels, and the frame to which its coordinates relate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameWindow {
+    /// The display window.
+    pub frame: FrameSize,
+    /// The pixels, relative to the upper left corner of the display window.
+    pub window: PixelRect,
 }
 
 /// Converts a screen point to the UVs of a picture over a frame `aspect` wide: the unit square, u right, v **down**.

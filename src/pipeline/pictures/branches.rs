@@ -9,7 +9,7 @@ use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::part_order::OrderedParts;
 use crate::plate::PlateReport;
 use crate::solve::BranchedLattice;
-use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
+use crate::space::{FrameSize, FrameWindow, ImagePoint, PixelRect, ScreenPoint};
 
 /// Width in pixels of the rim by which a part extends under connected parts in front, so that filtered edges leave no visible seam.
 const RIM_WIDTH: usize = 3;
@@ -160,5 +160,5 @@ fn cut_out(flat_picture: &FlatPicture, map: &PartMap, (part, mask): (usize, &[bo
     let rim = |pixel: usize| if is_own(pixel) { 0.0 } else { alpha[pixel] };
     let colors = flat_picture.planes().map(|samples| cut(&|pixel| samples[pixel]));
     let planes = colors.chain([cut(&region), cut(&rim)]);
-    Some(plate_of((map.frame, window), PART_CHANNELS.into_iter().zip(planes)))
+    Some(plate_of(FrameWindow { frame: map.frame, window }, PART_CHANNELS.into_iter().zip(planes)))
 }

@@ -13,7 +13,7 @@ use crate::pipeline::{PassPlan, PipelineError, PreparedShot, plan_passes};
 use crate::plate::{Coverage, Front, SurfacePicture};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Draw, Geometry, MATTE_LAYERS, Pass, Raster, Target};
 use crate::shot::LayerSpace;
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameWindow, PixelRect};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -78,11 +78,7 @@ impl<'a> Fronts<'a> {
     }
 
     /// Returns the fronts of a frame by layer, for the pixels of a plate; none if nothing is in front.
-    pub(super) fn at(
-        &mut self,
-        frame: i32,
-        place: (FrameSize, PixelRect),
-    ) -> Result<BTreeMap<usize, Arc<Front>>, PipelineError> {
+    pub(super) fn at(&mut self, frame: i32, place: FrameWindow) -> Result<BTreeMap<usize, Arc<Front>>, PipelineError> {
         let mut maps = match self.maps.take().filter(|maps| maps.place() == place) {
             Some(maps) => maps,
             None => SurfaceMaps::new(self.prepared, place)?,
@@ -97,7 +93,7 @@ impl<'a> Fronts<'a> {
             return Ok(BTreeMap::new());
         }
         let [all, alone] = [self.coverages(frame, place, true)?, self.coverages(frame, place, false)?];
-        let (size, window) = place;
+        let FrameWindow { frame: size, window } = place;
         let hidden = grown(&hidden, window);
         let front = |(index, group): (usize, &MovingGroup)| {
             let visible = visible_fractions(&all[index], &alone[index], window);
@@ -110,21 +106,17 @@ impl<'a> Fronts<'a> {
 
     /// Draws the warped scene with the shot's samples and shutter, and returns how much of every pixel shows each group:
     /// behind the rest of the scene, or without it.
-    fn coverages(
-        &mut self,
-        frame: i32,
-        place: (FrameSize, PixelRect),
-        has_rest: bool,
-    ) -> Result<Vec<Vec<f32>>, PipelineError> {
+    fn coverages(&mut self, frame: i32, place: FrameWindow, has_rest: bool) -> Result<Vec<Vec<f32>>, PipelineError> {
         let shot = &self.prepared.shot;
         let plan = plan_passes(shot.samples, shot.shutter);
         let mut device = match self.device.take() {
             Some(device) => device,
             None => raster::open(&DeviceChoice::Cpu, &self.prepared.scene)?.0,
         };
-        let tiles = tiles(place.1, device.max_side());
-        let drawn =
-            draw_tiles(place, &tiles, |window| self.tile(frame, (place.0, window), (&plan, has_rest), device.as_mut()));
+        let tiles = tiles(place.window, device.max_side());
+        let drawn = draw_tiles(place, &tiles, |window| {
+            self.tile(frame, FrameWindow { window, ..place }, (&plan, has_rest), device.as_mut())
+        });
         self.device = Some(device);
         let drawn = drawn?;
         Ok(self.groups.iter().map(|group| coverage_of_id(&drawn, group.id())).collect())
@@ -133,7 +125,7 @@ impl<'a> Fronts<'a> {
     fn tile(
         &self,
         frame: i32,
-        (size, window): (FrameSize, PixelRect),
+        FrameWindow { frame: size, window }: FrameWindow,
         (plan, has_rest): (&[PassPlan], bool),
         device: &mut dyn Raster,
     ) -> Result<Frame, PipelineError> {

@@ -22,7 +22,7 @@ use crate::plate::{
     Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
 };
 use crate::solve::Solution;
-use crate::space::FrameSize;
+use crate::space::{FrameSize, FrameWindow};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -175,7 +175,7 @@ impl<'a> Stage<'a> {
             layer_of_job.resize(layers.len(), layer);
         }
         if let Some(fronts) = self.fronts.as_mut().filter(|_| !layers.is_empty()) {
-            let fronts = fronts.at(frame, (size, size.window().union(plate.reach())))?;
+            let fronts = fronts.at(frame, FrameWindow { frame: size, window: size.window().union(plate.reach()) })?;
             layers.iter_mut().zip(&layer_of_job).for_each(|(job, layer)| job.front = fronts.get(layer).cloned());
         }
         if self.job.direction == WarpDirection::Inverse {
