@@ -129,8 +129,7 @@ impl<const D: usize> Drag<'_, D> {
         // At most one factorisation per move, at its start, so that all moves take about the same time.
         let factors = usize::from(!self.factor.is_some());
         let box_rotation = self.solver.box_rotation();
-        let (pins, handles) = (box_rotation.upright().pins(pins), box_rotation.upright().handles(handles));
-        self.run(&pins, &handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
+        self.run(&box_rotation.upright().targets(pins, handles), (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
         Ok(match self.branches() {
             Some(branches) => branches.lattice(0),
             None => {
@@ -156,10 +155,10 @@ impl<const D: usize> Drag<'_, D> {
     /// Those of [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         let box_rotation = self.solver.box_rotation();
-        let upright = (box_rotation.upright().pins(pins), box_rotation.upright().handles(handles));
+        let goal = box_rotation.upright().targets(pins, handles);
         let settings = self.solver.system().settings().clone();
         let limit = settings.iteration_limit;
-        let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
+        let mut run = self.run(&goal, (&settings, [limit; 2], usize::MAX))?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
             let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= unchecked;
@@ -168,18 +167,13 @@ impl<const D: usize> Drag<'_, D> {
                 self.checked = Some(at.to_vec());
                 run.is_minimum = Some(true);
             } else {
-                run = self.solver.system().leave_saddle(
-                    run,
-                    (&upright.0, &upright.1),
-                    self.cancel.unwrap_or(&Cancel::never()),
-                )?;
+                run = self.solver.system().leave_saddle(run, &goal, self.cancel.unwrap_or(&Cancel::never()))?;
                 self.handles.clone_from(&run.handles);
                 self.checked = Some(run.handles.clone());
             }
         }
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
         if is_held {
-            let goal = Targets { pins: upright.0.into_owned(), handles: upright.1.into_owned() };
             return Ok(box_rotation.solution(self.solver.system().finish(&goal, run)));
         }
         let never = Cancel::never();
@@ -193,14 +187,13 @@ impl<const D: usize> Drag<'_, D> {
     /// number of new factorisations.
     fn run(
         &mut self,
-        pins: &[PointPin<D>],
-        handles: &[HandlePin<D>],
+        targets: &Targets<D>,
         (settings, limits, factors): (&Settings, [usize; 2], usize),
     ) -> Result<MinimizationResult<D>, SolveError> {
         let (system, never) = (self.solver.system(), Cancel::never());
         let cancel = self.cancel.unwrap_or(&never);
-        let to = system.retargeted(pins, handles, cancel)?;
-        let minimization = system.minimization(&system.targets((pins, handles), &to), cancel);
+        let to = system.retargeted(targets, cancel)?;
+        let minimization = system.minimization(&system.targets(targets, &to), cancel);
         let has_newton = minimization.has_newton();
         let settings = Settings { iteration_limit: limits[usize::from(!has_newton)], ..settings.clone() };
         let final_phase = if factors > 1 { FinalPhase::Newton } else { FinalPhase::LocalGlobal };
