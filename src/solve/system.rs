@@ -462,7 +462,9 @@ impl<const D: usize> System<D> {
         }
         if !result.is_converged && self.settings.tolerance > 0.0 {
             let spent = pluralised(result.iterations, "iteration", "iterations");
-            warnings.push(format!("not converged after {spent}; the result may still move"));
+            warnings.push(format!(
+                "not converged after {spent}: the result may still move; move the pins less, or raise the iteration limit"
+            ));
         }
         self.report(goal, result, warnings)
     }
