@@ -24,6 +24,7 @@
 pub mod space;
 
 mod files;
+mod key_fault;
 mod simd;
 mod smoothstep;
 mod spelling;

@@ -1,7 +1,8 @@
 //! Errors of lattice files and exports.
 
 use crate::image::ImageError;
-use std::path::PathBuf;
+use crate::key_fault::KeyFault;
+use std::path::{Path, PathBuf};
 
 /// An error of reading or writing exported files.
 #[derive(Debug, thiserror::Error)]
@@ -46,4 +47,11 @@ pub enum ExportError {
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] ImageError),
+}
+
+impl ExportError {
+    /// The error of a file with a fault.
+    pub(super) fn invalid(path: &Path, KeyFault { key, what, hint }: KeyFault) -> Self {
+        Self::Invalid { path: path.to_owned(), key, what, hint }
+    }
 }

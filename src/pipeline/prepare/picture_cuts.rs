@@ -2,8 +2,9 @@
 //!
 //! In: a shot of pictures, its scene, the parts of its layers. Out: the parts of every picture by its cuts; finer meshes.
 
-use super::picture_parts::{Fault, PictureParts};
+use super::picture_parts::PictureParts;
 use crate::image::LabelMap;
+use crate::key_fault::KeyFault;
 use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::{Scene, cut_card};
@@ -51,7 +52,7 @@ impl PictureCuts {
             let node = &scene.nodes[posed[part].node];
             let Some(mesh) = node.mesh.filter(|_| layer.can_branch()) else { continue };
             for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
-                let map = PictureParts { shot, name: &node.name }.of(cut).map_err(|Fault { key, what, hint }| {
+                let map = PictureParts { shot, name: &node.name }.of(cut).map_err(|KeyFault { key, what, hint }| {
                     fault((shot, index), &format!("cuts[{number}].{key}"), &what, &hint)
                 })?;
                 let of_mesh = found.lines.entry(mesh).or_default();
