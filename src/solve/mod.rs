@@ -16,6 +16,7 @@ mod counting_sort;
 mod drag;
 mod energy;
 mod error;
+mod factor_reuse;
 mod folds_on_polygons;
 mod least_squares;
 mod linalg;
