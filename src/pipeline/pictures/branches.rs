@@ -4,7 +4,7 @@
 
 use super::composite_parts::{PART_CHANNELS, composite_parts};
 use super::read::{FlatPicture, plate_of};
-use crate::image::{Frame, LabelMap, NO_LABEL, Plate, neighbours};
+use crate::image::{Frame, LabelMap, NO_LABEL, Plate, convex_spans, neighbours};
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::part_order::OrderedParts;
 use crate::plate::PlateReport;
@@ -51,10 +51,7 @@ impl PartMap {
         // Coordinates are relative to the centre of the first pixel.
         let origin = [f64::from(self.window.x) + 0.5, f64::from(self.window.y) + 0.5];
         let corners: Vec<[f64; 2]> = corners.iter().map(|&[x, y]| [x - origin[0], y - origin[1]]).collect();
-        for row in pixels_within(corners.iter().map(|corner| corner[1]), height) {
-            let crossings =
-                (0..corners.len()).flat_map(|k| crossings([corners[k], corners[(k + 1) % corners.len()]], row as f64));
-            let columns = pixels_within(crossings, width);
+        for (row, columns) in convex_spans(&corners, [width, height]) {
             self.map.labels[row * width + columns.start..row * width + columns.end].fill(part + 1);
         }
     }
@@ -92,24 +89,6 @@ impl PartMap {
             ring = next;
         }
         mask
-    }
-}
-
-/// Returns the integers in 0..`count` between the minimum and the maximum of some values.
-fn pixels_within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    let start = low.ceil().clamp(0.0, count as f64) as usize;
-    start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
-}
-
-/// Returns the x at which a side meets the line at height `y`: none, one, or both ends if the side lies on the line.
-fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
-    if y < ay.min(by) || y > ay.max(by) {
-        Vec::new()
-    } else if ay == by {
-        vec![ax, bx]
-    } else {
-        vec![ax + (y - ay) / (by - ay) * (bx - ax)]
     }
 }
 
