@@ -250,20 +250,20 @@ impl<'a, const D: usize> Descent<'a, D> {
             next = problem.iterate(plain, &self.constant)?;
         }
         // The matrix is positive definite, so a short enough step along `by` lowers the energy.
-        for share in STEP_LENGTHS {
+        for step_length in STEP_LENGTHS {
             if self.is_lower(&next) || !self.cached.is_some() {
                 break;
             }
             self.reuse.anderson.reset();
-            next = problem.iterate(self.ahead(by, share), &self.constant)?;
+            next = problem.iterate(self.ahead(by, step_length), &self.constant)?;
         }
         Ok(next)
     }
 
     /// Returns the handles plus a multiple of `by`.
-    fn ahead(&self, by: &[[f64; D]], share: f64) -> Vec<[f64; D]> {
+    fn ahead(&self, by: &[[f64; D]], step_length: f64) -> Vec<[f64; D]> {
         let next = by.iter().zip(&self.iterate.handles);
-        next.map(|(by, from)| std::array::from_fn(|d| from[d] + share * by[d])).collect()
+        next.map(|(by, from)| std::array::from_fn(|d| from[d] + step_length * by[d])).collect()
     }
 
     fn is_lower(&self, next: &NewtonIterate<D>) -> bool {

@@ -223,15 +223,15 @@ impl<'a, const D: usize> Descent<'a, D> {
         full: Vectors<D>,
     ) -> Result<Option<State<D>>, Cancelled> {
         let way = self.points.max_step(&state.handles, &full, MIN_DET);
-        let mut share = if way < 1.0 { CAUTION * way } else { 1.0 };
+        let mut step_length = if way < 1.0 { CAUTION * way } else { 1.0 };
         let slope: f64 = state.residual.as_flattened().iter().zip(by.as_flattened()).map(|(x, y)| 2.0 * x * y).sum();
         for _ in 0..HALVINGS {
-            let next = self.state(ahead(&state.handles, by, share))?;
-            if next.energy <= state.energy - DESCENT * share * slope + ROUNDING * state.energy.abs() {
+            let next = self.state(ahead(&state.handles, by, step_length))?;
+            if next.energy <= state.energy - DESCENT * step_length * slope + ROUNDING * state.energy.abs() {
                 return Ok(Some(next));
             }
             self.reuse.anderson.reset();
-            share *= 0.5;
+            step_length *= 0.5;
         }
         Ok(None)
     }
