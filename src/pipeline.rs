@@ -29,6 +29,12 @@ mod viewer;
 
 mod error;
 
+use crate::raster;
+use run::render_plan::RenderPlan;
+use run::renderer::Renderer;
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::sync_channel;
+
 pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
 pub(crate) use draw::jerk::JerkMeter;
 pub(crate) use draw::passes::{PassPlan, plan_passes};
@@ -58,9 +64,6 @@ pub(crate) use run::events::{Jerk, LayerNote, LayerReport};
 pub use run::options::Existing;
 pub use run::options::RenderOptions;
 pub(crate) use run::output::input_files;
-pub use run::render::render;
-#[cfg(test)]
-pub(crate) use run::render::render_on;
 #[cfg(feature = "cli")]
 pub(crate) use run::resume::{Todo, refuse_existing};
 #[cfg(feature = "cli")]
@@ -80,3 +83,70 @@ pub(crate) use viewer::stiff_triangles::StiffTriangle;
 pub(crate) use viewer::still::Device;
 #[cfg(feature = "editor")]
 pub(crate) use viewer::warped_still::WarpedStill;
+
+/// Number of drawn frames that may wait to be written.
+const QUEUED_FRAMES: usize = 1;
+
+/// Renders the requested frames on the requested device.
+///
+/// `on_event` is called from several threads. `cancel` ends the render after the frames in flight.
+///
+/// # Errors
+/// [`PipelineError`] if nothing can be rendered at all; frames that fail individually are reported as events and counted.
+pub fn render(
+    prepared: &PreparedShot,
+    options: &RenderOptions,
+    cancel: &AtomicBool,
+    on_event: &(dyn Fn(Event) + Sync),
+) -> Result<Summary, PipelineError> {
+    let plan = RenderPlan::new(prepared, options)?;
+    if let Some(gallery) = &prepared.gallery {
+        return run_plan(&plan, Renderer::Pictures(gallery), (cancel, on_event));
+    }
+    let (mut device, fallback) = raster::open(&options.device, &prepared.scene)?;
+    if let Some(reason) = fallback {
+        on_event(Event::Note { text: format!("the CPU draws: {reason}") });
+    }
+    run_plan(&plan, Renderer::Scene(device.as_mut()), (cancel, on_event))
+}
+
+/// Renders as [`render`] does, on a device that the caller opened for the prepared shot; `options.device` is ignored.
+///
+/// # Errors
+/// As [`render`].
+#[cfg(test)]
+pub(crate) fn render_on(
+    device: &mut dyn raster::Raster,
+    prepared: &PreparedShot,
+    options: &RenderOptions,
+    cancel: &AtomicBool,
+    on_event: &(dyn Fn(Event) + Sync),
+) -> Result<Summary, PipelineError> {
+    run_plan(&RenderPlan::new(prepared, options)?, Renderer::Scene(device), (cancel, on_event))
+}
+
+/// Runs the stages of a planned render. While this thread draws a frame, another builds the geometry of the next, and a third writes
+/// the previous one; the channels between them are short, so memory does not grow with the length of the sequence.
+fn run_plan(
+    plan: &RenderPlan,
+    renderer: Renderer,
+    (cancel, on_event): (&AtomicBool, &(dyn Fn(Event) + Sync)),
+) -> Result<Summary, PipelineError> {
+    let todo = plan.todo(renderer.class())?;
+    plan.announce(&todo, &renderer, on_event);
+    if !todo.frames.is_empty() {
+        trajectories::solve_ahead::solve_before_frames(plan.prepared, cancel);
+    }
+    let mut writer = plan.writer(renderer.class());
+    let raster_ms = std::thread::scope(|scope| {
+        let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
+        let writing = scope.spawn(|| writer.run(drawns, on_event));
+        let raster_ms = renderer.draw((plan.prepared, plan.options), &todo.frames, cancel, drawn);
+        // Propagates a panic in the writer.
+        writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        raster_ms
+    });
+    let summary = plan.finished(&todo, Summary { raster_ms, ..writer.summary() }, cancel);
+    on_event(Event::Finished(summary.clone()));
+    Ok(summary)
+}

@@ -1,7 +1,8 @@
 //! A process-wide cache of computed values, keyed by content, with LRU eviction.
 //!
 //! In: keys and functions. Out: shared values. Threads that request the same value compute it once; requests for
-//! different values do not block each other.
+//! different values do not block each other. The latest value stays even if it weighs more than all may together, as
+//! a map of an 8K frame does; crates that weigh values (quick_cache, moka) refuse to hold such a value.
 
 use super::key::Key;
 use std::collections::HashMap;

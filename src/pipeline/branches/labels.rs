@@ -2,7 +2,8 @@
 //!
 //! In: a solved [`TimeSample`] and its neighbours. Out: [`LabelledPieces`].
 
-use crate::pipeline::evaluate::part_order::{OrderedPart, OrderedParts};
+use crate::pipeline::evaluate::ordered_parts::{OrderedPart, OrderedParts};
+use crate::pipeline::evaluate::part_order::ordered_parts;
 use crate::pipeline::evaluate::part_triangle_ranges::PartTriangleRanges;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::screen::{Projected, ScreenMesh, clip_near, primitive};
@@ -55,14 +56,14 @@ impl LabelledPieces {
     pub(super) fn of(
         prepared: &PreparedShot,
         layer: usize,
-        (now, branches): (&TimeSample, &BranchedLattice<2>),
+        now: &TimeSample,
         around: Option<[&TimeSample; 2]>,
-    ) -> Self {
+    ) -> Option<Self> {
+        let (branches, OrderedParts { list: parts, of_pieces, .. }) = ordered_parts(prepared, layer, now)?;
         let triangles = cut_triangles(prepared, now, &now.layers[layer].starts);
         let others = around.map(|samples| samples.map(|sample| Other::of(sample, layer)));
         let mut list: BTreeMap<Label, u32> = BTreeMap::new();
         let mut found = Vec::new();
-        let OrderedParts { list: parts, of_pieces, .. } = OrderedParts::of(prepared, layer, (now, branches));
         for (&part, (triangle, _, corners)) in of_pieces.iter().zip(branches.pieces_of_triangles()) {
             let Some(source) = triangles.get(&triangle) else { continue };
             let Some(outline) = corners.iter().map(|&corner| source.barycentric(corner)).collect::<Option<Vec<_>>>()
@@ -87,7 +88,7 @@ impl LabelledPieces {
             outline,
         };
         let pieces = found.into_iter().map(piece).collect();
-        Self { labels: list.into_keys().collect(), pieces }
+        Some(Self { labels: list.into_keys().collect(), pieces })
     }
 }
 

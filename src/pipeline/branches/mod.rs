@@ -12,7 +12,8 @@ mod shares;
 use crate::export::LatticeBranches;
 use crate::lattice::ScreenLattice;
 use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
-use crate::pipeline::evaluate::part_order::{OrderedPart, OrderedParts};
+use crate::pipeline::evaluate::ordered_parts::{OrderedPart, OrderedParts};
+use crate::pipeline::evaluate::part_order::ordered_parts;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::plate::{Coverage, Field, SharedParts};
 use crate::raster::PassRole;
@@ -94,10 +95,9 @@ impl PreparedShot {
 
     /// Returns the branches of a layer as stored in a lattice file; `None` if its lattice does not branch.
     pub(super) fn file_branches(&self, layer: usize, now: &TimeSample) -> Option<LatticeBranches> {
-        let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
+        let (branches, OrderedParts { list, of_pieces, .. }) = ordered_parts(self, layer, now)?;
         let seen = self.visible_labels(layer, (now, None), (self.shot.size, Exposure::Instant));
         let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
-        let OrderedParts { list, of_pieces, .. } = OrderedParts::of(self, layer, (now, branches));
         // Without any visible part, the largest branch is the rearmost.
         let order: Vec<OrderedPart> = order.unwrap_or_else(|| list.clone());
         let mut regions: BTreeMap<OrderedPart, Vec<Vec<[f64; 2]>>> =
@@ -121,8 +121,7 @@ impl PreparedShot {
         (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
         (size, exposure): (FrameSize, Exposure),
     ) -> Option<VisibleLabels> {
-        let branches = now.layers[layer].solution.as_ref()?.branches.as_ref()?;
-        let LabelledPieces { labels, pieces } = LabelledPieces::of(self, layer, (now, branches), around);
+        let LabelledPieces { labels, pieces } = LabelledPieces::of(self, layer, now, around)?;
         let (begin, plan) = self.passes_of(now, exposure);
         let pieces = DrawnPieces { prepared: self, now, pieces: &pieces, size };
         // All passes at the same time share one projection.

@@ -25,6 +25,9 @@ use std::time::Instant;
 /// Maximum side of a tile in pixels, even if the device supports larger ones; this bounds its memory.
 const MAX_TILE_SIDE: u32 = 8192;
 
+/// Number of frames whose geometry may wait to be drawn.
+const QUEUED_JOBS: usize = 1;
+
 /// Splits a window into tiles that the device can draw.
 pub(in crate::pipeline) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelRect> {
     window.tiles(max_side.min(MAX_TILE_SIDE))
@@ -51,8 +54,27 @@ pub(in crate::pipeline) fn draw_tiles(
     Ok(whole)
 }
 
+/// Draws frames, the geometry of the next one being built meanwhile, until the render is cancelled or the receiver is gone. Returns the
+/// milliseconds for which the raster was busy.
+pub(in crate::pipeline) fn draw_frames(
+    device: &mut dyn Raster,
+    prepared: &PreparedShot,
+    (frames, has_overlay): (&[i32], bool),
+    cancel: &AtomicBool,
+    drawn: SyncSender<Drawn>,
+) -> f64 {
+    let tiles = tiles(prepared.shot.size.window(), device.max_side());
+    let jerk = JerkMeter::default();
+    let mut producer = GeometryThread { prepared, tile_count: tiles.len(), has_overlay, cancel, jerk };
+    std::thread::scope(|scope| {
+        let (job, jobs) = sync_channel(QUEUED_JOBS);
+        scope.spawn(move || producer.run(frames, &job));
+        draw_all(device, prepared, &tiles, (jobs, drawn))
+    })
+}
+
 /// Draws all jobs and returns the time for which the raster was busy, milliseconds.
-pub(in crate::pipeline) fn draw_all(
+fn draw_all(
     device: &mut dyn Raster,
     prepared: &PreparedShot,
     tiles: &[PixelRect],
@@ -82,22 +104,13 @@ pub(in crate::pipeline) fn draw_frame(
     prepared: &PreparedShot,
     frame: i32,
 ) -> Result<Frame, PipelineError> {
-    let tiles = tiles(prepared.shot.size.window(), device.max_side());
-    let cancel = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        let (job, jobs) = sync_channel(1);
-        let (drawn, drawns) = sync_channel(1);
-        let jerk = JerkMeter::default();
-        let mut producer =
-            GeometryThread { prepared, tile_count: tiles.len(), has_overlay: false, cancel: &cancel, jerk };
-        scope.spawn(move || producer.run(&[frame], &job));
-        draw_all(device, prepared, &tiles, (jobs, drawn));
-        match drawns.recv() {
-            Ok(Drawn::Frame(frame, _)) => Ok(*frame),
-            Ok(Drawn::Failed(_, error)) => Err(error),
-            Err(_) => Err(PipelineError::Interrupted { frame }),
-        }
-    })
+    let (drawn, drawns) = sync_channel(1);
+    draw_frames(device, prepared, (&[frame], false), &AtomicBool::new(false), drawn);
+    match drawns.recv() {
+        Ok(Drawn::Frame(frame, _)) => Ok(*frame),
+        Ok(Drawn::Failed(_, error)) => Err(error),
+        Err(_) => Err(PipelineError::Interrupted { frame }),
+    }
 }
 
 /// Draws the frames of a shot on one device.

@@ -2,15 +2,10 @@
 //!
 //! In: a solved [`TimeSample`]. Out: a warning and a note per layer.
 
-use crate::pipeline::evaluate::part_order::OrderedParts;
+use crate::pipeline::evaluate::ordered_parts::OrderedParts;
+use crate::pipeline::evaluate::part_order::ordered_parts;
 use crate::pipeline::{LayerNote, PreparedShot, TimeSample};
 use std::collections::BTreeSet;
-
-/// Returns the parts of a layer; `None` if its lattice does not branch in this frame.
-fn parts(prepared: &PreparedShot, layer: usize, sample: &TimeSample) -> Option<OrderedParts> {
-    let branches = sample.layers[layer].solution.as_ref()?.branches.as_ref()?;
-    Some(OrderedParts::of(prepared, layer, (sample, branches)))
-}
 
 /// Returns the note that limbs of a layer cross, with the pin at the one in front first; `None` if none do, or if their pins have orders.
 pub(in crate::pipeline) fn crossing_note(
@@ -18,7 +13,7 @@ pub(in crate::pipeline) fn crossing_note(
     layer: usize,
     sample: &TimeSample,
 ) -> Option<LayerNote> {
-    note_of(prepared, layer, &parts(prepared, layer, sample)?)
+    note_of(prepared, layer, ordered_parts(prepared, layer, sample)?.1)
 }
 
 /// Returns the warning that an order has no effect, because the picture is one part, and the note that limbs cross.
@@ -26,9 +21,9 @@ pub(super) fn told(prepared: &PreparedShot, index: usize, sample: &TimeSample) -
     let layer = &prepared.shot.layers[index];
     let of_pins = layer.pins.iter().filter(|pin| !pin.is_muted).map(|pin| &pin.order);
     let has_order = of_pins.chain(&layer.connectivity.orders).any(|keys| !keys.is_empty());
-    let parts = parts(prepared, index, sample);
-    let note = parts.as_ref().and_then(|parts| note_of(prepared, index, parts));
-    let is_one = parts.is_none_or(|parts| {
+    let parts = ordered_parts(prepared, index, sample);
+    let note = parts.and_then(|(_, parts)| note_of(prepared, index, parts));
+    let is_one = parts.is_none_or(|(_, parts)| {
         let without_level = parts.list.iter().map(|part| (part.order, part.branch));
         without_level.collect::<BTreeSet<_>>().len() < 2
     });

@@ -10,6 +10,7 @@ pub(super) mod lattice_box;
 pub(super) mod layer_pins;
 pub(super) mod layer_solve;
 pub(super) mod moved_meshes;
+pub(super) mod ordered_parts;
 mod part_levels;
 pub(super) mod part_order;
 pub(super) mod part_triangle_ranges;

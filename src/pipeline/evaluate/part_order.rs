@@ -2,6 +2,7 @@
 //!
 //! In: a [`PreparedShot`], a solved [`TimeSample`], and a layer whose lattice branches. Out: [`OrderedParts`].
 
+use super::ordered_parts::{OrderedPart, OrderedParts};
 use super::part_levels::PartLevels;
 use super::part_triangle_ranges::PartTriangleRanges;
 use super::pin_places::pin_places;
@@ -10,34 +11,19 @@ use crate::shot::order_at;
 use crate::solve::BranchedLattice;
 use std::collections::BTreeMap;
 
-/// The pieces of a branch that have the same order and level. Sorts by order, then by level, then by branch with the largest branch
-/// first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(in crate::pipeline) struct OrderedPart {
-    /// Order of the part that a cut chooses, or of the pin nearest along the shape; 0 if neither has one.
-    pub(in crate::pipeline) order: i32,
-    /// Above 0 for what lies in front where limbs of one order cross.
-    pub(in crate::pipeline) level: u32,
-    pub(in crate::pipeline) branch: usize,
-}
-
-/// The parts of a layer.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(in crate::pipeline) struct OrderedParts {
-    /// From back to front, as far as order and size of the branches determine it.
-    pub(in crate::pipeline) list: Vec<OrderedPart>,
-    /// Index into the list for each piece, in the order of [`BranchedLattice::pieces`].
-    pub(in crate::pipeline) of_pieces: Vec<u32>,
-    /// Indices of pins at the limbs of one order that cross most: in front, behind.
-    pub(in crate::pipeline) crossing_pins: Option<[usize; 2]>,
+/// Returns the branches of a layer and its parts, which are decided at the first call; `None` if its lattice does not branch.
+pub(in crate::pipeline) fn ordered_parts<'a>(
+    prepared: &PreparedShot,
+    layer: usize,
+    now: &'a TimeSample,
+) -> Option<(&'a BranchedLattice<2>, &'a OrderedParts)> {
+    let state = &now.layers[layer];
+    let branches = state.solution.as_ref()?.branches.as_ref()?;
+    Some((branches, state.parts.get_or_init(|| OrderedParts::of(prepared, layer, (now, branches)))))
 }
 
 impl OrderedParts {
-    pub(in crate::pipeline) fn of(
-        prepared: &PreparedShot,
-        layer: usize,
-        (now, branches): (&TimeSample, &BranchedLattice<2>),
-    ) -> Self {
+    fn of(prepared: &PreparedShot, layer: usize, (now, branches): (&TimeSample, &BranchedLattice<2>)) -> Self {
         let orders = orders(prepared, layer, (now, branches)).unwrap_or_else(|| vec![0; branches.pieces().count()]);
         let levels = PartLevels::of(prepared, layer, (now, branches), &orders);
         let level_of = |piece: usize| levels.of_polygons.get(piece).copied().unwrap_or(0);

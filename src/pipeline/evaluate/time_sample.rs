@@ -2,6 +2,7 @@
 //!
 //! Plain data, computed by [`evaluate`](crate::pipeline::evaluate) for a (fractional) frame.
 
+use super::ordered_parts::OrderedParts;
 use super::part_triangle_ranges::PartTriangleRanges;
 use crate::lattice::{SceneLattice, ScreenLattice};
 use crate::pipeline::LayerAssignment;
@@ -14,6 +15,7 @@ use crate::solve::{BranchedLattice, Solution, SolveReport};
 use crate::space::ScreenPoint;
 use glam::DVec3;
 use std::borrow::Cow;
+use std::sync::OnceLock;
 
 /// The scene at one time.
 #[derive(Clone, Debug)]
@@ -43,6 +45,8 @@ pub struct LayerState {
     pub(crate) pins: Vec<PinState>,
     /// Positions of the layer's parts in the shape of a branching lattice; empty for layers that cannot branch.
     pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
+    /// Its parts, once something asked for them.
+    pub(in crate::pipeline) parts: OnceLock<OrderedParts>,
 }
 
 /// The solved lattice of a world layer.

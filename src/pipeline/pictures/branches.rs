@@ -6,7 +6,7 @@ use super::composite_parts::{PART_CHANNELS, composite_parts};
 use super::read::{FlatPicture, plate_of};
 use crate::image::{Frame, LabelMap, NO_LABEL, Plate, convex_spans, neighbours};
 use crate::lattice::ScreenLattice;
-use crate::pipeline::evaluate::part_order::OrderedParts;
+use crate::pipeline::evaluate::ordered_parts::OrderedParts;
 use crate::plate::PlateReport;
 use crate::solve::BranchedLattice;
 use crate::space::{FrameSize, FrameWindow, ImagePoint, PixelRect, ScreenPoint};

@@ -1,92 +1,52 @@
-//! Renders the frames of a shot of pictures: one frame is solved and drawn while the previous one is written.
+//! Draws the frames of a shot of pictures.
 //!
-//! In: the options of a render. Out: files, events, and a [`Summary`], as from any render.
+//! In: frame numbers. Out: [`Drawn`] frames.
 
+use super::Gallery;
 use super::paint::Painter;
-use crate::image::{Frame, SequencePath};
+use crate::image::Frame;
 use crate::pipeline::draw::geometry_thread::facts;
 use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
-use crate::pipeline::run::write::{Drawn, Writer};
-use crate::pipeline::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary, TimeSample};
-use crate::raster::{ChannelGroup, DeviceClass, PassRole};
+use crate::pipeline::run::write::Drawn;
+use crate::pipeline::{JerkMeter, PipelineError, PreparedShot, TimeSample};
+use crate::raster::{ChannelGroup, PassRole};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::SyncSender;
 use std::time::Instant;
 
-/// Name of the device in events and metadata.
-const DEVICE: &str = "the CPU, as pictures";
-
-/// The frames to render and their destination.
-pub(in crate::pipeline) struct Wanted<'a> {
-    pub(in crate::pipeline) options: &'a RenderOptions,
-    pub(in crate::pipeline) output: SequencePath,
-    /// Digest of the shot and of the contents of its files.
-    pub(in crate::pipeline) digest: String,
-    pub(in crate::pipeline) frames: Vec<i32>,
-    /// Number of frames that are kept.
-    pub(in crate::pipeline) kept: usize,
-}
-
-/// Renders the frames.
-pub(in crate::pipeline) fn render_pictures(
+/// Solves and draws frames until the render is cancelled or the receiver is gone. Returns the milliseconds spent drawing.
+pub(in crate::pipeline) fn paint_frames(
+    gallery: &Gallery,
     prepared: &PreparedShot,
-    wanted: Wanted,
+    (frames, has_overlay): (&[i32], bool),
     cancel: &AtomicBool,
-    on_event: &(dyn Fn(Event) + Sync),
-) -> Summary {
-    let Wanted { options, output, digest, frames, kept } = wanted;
-    let Some(gallery) = &prepared.gallery else { return Summary { kept, ..Summary::default() } };
-    emit_left_out(prepared, on_event);
-    on_event(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
-    let mut writer = Writer::new(prepared, options, (output, digest), DeviceClass::Cpu);
-    let mut painting = Painting {
-        prepared,
-        painter: Painter::new(gallery, prepared),
-        options,
-        jerk: JerkMeter::default(),
-        busy_ms: 0.0,
-    };
-    std::thread::scope(|scope| {
-        let (drawn, drawns) = sync_channel(1);
-        let writing = scope.spawn(|| writer.run(drawns, on_event));
-        for &frame in &frames {
-            if cancel.load(Ordering::Relaxed) || drawn.send(painting.draw(frame)).is_err() {
-                break;
-            }
+    drawn: SyncSender<Drawn>,
+) -> f64 {
+    let painter = Painter::new(gallery, prepared);
+    let mut painting = Painting { prepared, painter, has_overlay, jerk: JerkMeter::default(), busy_ms: 0.0 };
+    for &frame in frames {
+        if cancel.load(Ordering::Relaxed) || drawn.send(painting.draw(frame)).is_err() {
+            break;
         }
-        drop(drawn);
-        // Propagates a panic in the writer.
-        writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    });
-    Summary { kept, raster_ms: painting.busy_ms, ..writer.summary() }
+    }
+    painting.busy_ms
 }
 
-/// Reports channels that pictures do not provide.
-fn emit_left_out(prepared: &PreparedShot, on_event: &(dyn Fn(Event) + Sync)) {
+/// Returns the note that pictures do not provide some of the channels; `None` if they provide all.
+pub(in crate::pipeline) fn left_out_channels(prepared: &PreparedShot) -> Option<String> {
     let is_left_out = |group: &&ChannelGroup| !matches!(group, ChannelGroup::Beauty | ChannelGroup::Id);
-    let names: Vec<String> = prepared
-        .shot
-        .output
-        .channels
-        .iter()
-        .filter(is_left_out)
-        .map(|group| format!("{group:?}").to_lowercase())
-        .collect();
-    if !names.is_empty() {
-        let text = format!(
-            "pictures have colour and ids only: {} is not written; take it out of `channels`",
-            names.join(", ")
-        );
-        on_event(Event::Note { text });
-    }
+    let left_out = prepared.shot.output.channels.iter().filter(is_left_out);
+    let names: Vec<String> = left_out.map(|group| format!("{group:?}").to_lowercase()).collect();
+    let names = (!names.is_empty()).then(|| names.join(", "))?;
+    Some(format!("pictures have colour and ids only: {names} is not written; take it out of `channels`"))
 }
 
 /// The state of the thread that solves and draws.
 struct Painting<'a> {
     prepared: &'a PreparedShot,
     painter: Painter<'a>,
-    options: &'a RenderOptions,
+    has_overlay: bool,
     jerk: JerkMeter,
     busy_ms: f64,
 }
@@ -100,7 +60,7 @@ impl Painting<'_> {
         let begun = Instant::now();
         let prepared = self.prepared;
         let middle = prepared.mid_exposure(frame)?;
-        let mut facts = facts(prepared, (frame, &middle), self.options.has_overlay, &mut self.jerk);
+        let mut facts = facts(prepared, (frame, &middle), self.has_overlay, &mut self.jerk);
         facts.report.geometry_ms = begun.elapsed().as_secs_f64() * 1e3;
         let begun = Instant::now();
         let picture = self.painter.frame(&times(prepared, frame), &middle, |time| prepared.sample_at(time))?;

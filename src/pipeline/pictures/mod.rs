@@ -14,7 +14,7 @@ mod read;
 
 pub(super) use draft::paint_draft;
 pub(super) use drawing::{drawing_in, drawing_of};
-pub(super) use frames::{Wanted, paint_frame, render_pictures, times};
+pub(super) use frames::{left_out_channels, paint_frame, paint_frames, times};
 
 use crate::image::{ImageError, PictureExtent, Storage, picture_extent, read_any};
 use crate::memory;

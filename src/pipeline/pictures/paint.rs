@@ -8,11 +8,12 @@ use super::read::CHANNELS;
 use super::{FlatPicture, Gallery};
 use crate::image::{Channel, Frame, Plate, Storage};
 use crate::lattice::ScreenLattice;
-use crate::pipeline::evaluate::part_order::OrderedParts;
+use crate::pipeline::evaluate::ordered_parts::OrderedParts;
+use crate::pipeline::evaluate::part_order::ordered_parts;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::plate::{Field, Filter, LayerJob, Matte, PlateJob, Semantic, WarpSettings, warp_plate};
 use crate::raster::ChannelGroup;
-use crate::solve::{BranchedLattice, Solution};
+use crate::solve::BranchedLattice;
 use crate::space::PixelRect;
 use rayon::prelude::*;
 
@@ -56,10 +57,9 @@ enum Warp {
 
 impl Warp {
     fn of(prepared: &PreparedShot, sample: &TimeSample, layer: usize) -> Option<Self> {
-        let Solution { lattice, branches, .. } = sample.layers[layer].solution.as_ref()?;
-        Some(match branches {
-            Some(branches) => Self::Branching(branches.clone(), OrderedParts::of(prepared, layer, (sample, branches))),
-            None => Self::Plain(lattice.clone()),
+        Some(match ordered_parts(prepared, layer, sample) {
+            Some((branches, parts)) => Self::Branching(branches.clone(), parts.clone()),
+            None => Self::Plain(sample.layers[layer].solution.as_ref()?.lattice.clone()),
         })
     }
 }

@@ -7,7 +7,8 @@ pub(super) mod events;
 pub(super) mod frame_record;
 pub(super) mod options;
 pub(super) mod output;
-pub(super) mod render;
+pub(super) mod render_plan;
+pub(super) mod renderer;
 pub(super) mod resume;
 pub(super) mod run_lock;
 #[cfg(feature = "cli")]

@@ -70,13 +70,13 @@ impl BranchedLattice<2> {
     pub(crate) fn crossings(&self, orders: &[i32]) -> Vec<Crossing> {
         let images = self.images();
         let branching = self.branching.as_ref();
-        let samples = branching.samples(&images);
-        let is_shared = samples.windows(2).any(|pair| pair[0].0 == pair[1].0);
-        if !is_shared {
+        let samples = branching.shared_samples(&images);
+        let pieces: BTreeSet<usize> = samples.iter().map(|(_, piece)| *piece).collect();
+        let beside = pieces.into_iter().map(|piece| (piece, branching.beside(piece))).collect();
+        let pairs = pairs(&samples, &beside);
+        if pairs.is_empty() {
             return Vec::new();
         }
-        let beside = branching.beside();
-        let pairs = pairs(&samples, &beside);
         let (moved, orders) = (self.moved(&images), self.of_pieces(orders));
         let crossing = |pairs| {
             let mut crossing = Crossing { pairs, moved: [0.0; 2], ordered: None, smaller: None };
@@ -109,12 +109,12 @@ impl BranchedLattice<2> {
         if levels.values().all(|level| *level == 0) {
             return Vec::new();
         }
-        let beside = self.branching.beside();
         let mut rim: Vec<usize> = levels.keys().copied().collect();
         for _ in 0..RIM {
             let mut next: BTreeMap<usize, u32> = BTreeMap::new();
             for &piece in &rim {
-                for &other in beside[piece].iter().filter(|other| !levels.contains_key(other)) {
+                let beside = self.branching.beside(piece).into_iter();
+                for other in beside.filter(|other| !levels.contains_key(other)) {
                     let level = next.entry(other).or_insert(MAX_LEVEL);
                     *level = levels[&piece].min(*level);
                 }
@@ -154,28 +154,25 @@ impl BranchedLattice<2> {
 }
 
 impl Branching<2> {
-    /// For every piece, itself and the connected pieces in the cells around its own.
-    fn beside(&self) -> Vec<Vec<usize>> {
+    /// A piece and the connected pieces in the cells around its own.
+    fn beside(&self, piece: usize) -> Vec<usize> {
         let cell = |piece: usize| self.grid.cell_coords(self.pieces.list[piece].cell);
         let next = |piece: usize| {
             let adjacent = self.pieces.adjacent_pieces[piece].iter();
             adjacent.filter(|(_, degree)| *degree >= MIN_CONNECTEDNESS).map(|(next, _)| *next)
         };
-        let around = |piece: usize| {
-            let [column, row] = cell(piece);
-            let is_around = |&other: &usize| {
-                let [x, y] = cell(other);
-                x.abs_diff(column) <= 1 && y.abs_diff(row) <= 1
-            };
-            let second = next(piece).flat_map(next).filter(is_around);
-            let all: BTreeSet<usize> = next(piece).chain(second).chain([piece]).collect();
-            all.into_iter().collect()
+        let [column, row] = cell(piece);
+        let is_around = |&other: &usize| {
+            let [x, y] = cell(other);
+            x.abs_diff(column) <= 1 && y.abs_diff(row) <= 1
         };
-        (0..self.pieces.list.len()).map(around).collect()
+        let second = next(piece).flat_map(next).filter(is_around);
+        let all: BTreeSet<usize> = next(piece).chain(second).chain([piece]).collect();
+        all.into_iter().collect()
     }
 
-    /// Returns the places of all samples, each with a piece whose image covers it, ascending.
-    fn samples(&self, images: &[Vec<[f64; 2]>]) -> Vec<([i64; 2], usize)> {
+    /// Returns the samples that the images of several pieces cover, each with one of the pieces, ascending.
+    fn shared_samples(&self, images: &[Vec<[f64; 2]>]) -> Vec<(usize, usize)> {
         let is_sound = |rest: &[[f64; 2]], moved: &[[f64; 2]]| {
             moved.as_flattened().iter().all(|x| x.is_finite()) && signed_area(rest) * signed_area(moved) > 0.0
         };
@@ -184,18 +181,25 @@ impl Branching<2> {
             let sound = all.filter(|((cut, _), moved)| is_sound(cut.polygon.corners(), moved));
             sound.map(|((_, piece), moved)| (*piece, moved))
         };
-        let extent = |axis: usize| {
-            let all = polygons().flat_map(|(_, corners)| corners).map(|corner| corner[axis]);
-            let [low, high] = range(all);
-            (high - low).max(0.0)
-        };
+        let ranges = [0, 1].map(|axis| range(polygons().flat_map(|(_, corners)| corners).map(|corner| corner[axis])));
+        let extent = ranges.map(|[low, high]| (high - low).max(0.0));
         let cell = self.grid.spacing(0).min(self.grid.spacing(1));
-        let step = (cell / SAMPLES_PER_CELL).max(extent(0).max(extent(1)) / MAX_SAMPLES);
+        let step = (cell / SAMPLES_PER_CELL).max(extent[0].max(extent[1]) / MAX_SAMPLES);
+        // One more than there are, for rounding errors of the last.
+        let [width, height] = extent.map(|extent| (extent / step) as usize + 2);
+        let mut first_pieces: Vec<Option<u32>> = vec![None; width * height];
         let mut samples = Vec::new();
         for (piece, corners) in polygons() {
-            let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.map(|x| x / step)).collect();
+            let place = |corner: &[f64; 2]| [0, 1].map(|axis| (corner[axis] - ranges[axis][0]) / step);
+            let corners: Vec<[f64; 2]> = corners.iter().map(place).collect();
             for k in 2..corners.len() {
-                visit([corners[0], corners[k - 1], corners[k]], |place| samples.push((place, piece)));
+                visit([corners[0], corners[k - 1], corners[k]], |[column, row]| {
+                    let sample = row * width + column;
+                    let first = *first_pieces[sample].get_or_insert(piece as u32) as usize;
+                    if first != piece {
+                        samples.extend([(sample, first), (sample, piece)]);
+                    }
+                });
             }
         }
         samples.sort_unstable();
@@ -206,11 +210,11 @@ impl Branching<2> {
 
 /// Returns the pairs of pieces that have samples in common and are not beside each other at rest, the smaller piece first, with the
 /// number of these samples.
-fn pairs(samples: &[([i64; 2], usize)], beside: &[Vec<usize>]) -> BTreeMap<[usize; 2], u32> {
+fn pairs(samples: &[(usize, usize)], beside: &BTreeMap<usize, Vec<usize>>) -> BTreeMap<[usize; 2], u32> {
     let mut pairs = BTreeMap::new();
-    for here in samples.chunk_by(|a, b| a.0 == b.0).filter(|here| here.len() > 1) {
+    for here in samples.chunk_by(|a, b| a.0 == b.0) {
         for (index, &(_, one)) in here.iter().enumerate() {
-            let apart = here[index + 1..].iter().filter(|(_, other)| !beside[one].contains(other));
+            let apart = here[index + 1..].iter().filter(|(_, other)| !beside[&one].contains(other));
             apart.for_each(|&(_, other)| *pairs.entry([one, other]).or_insert(0) += 1);
         }
     }
@@ -218,7 +222,7 @@ fn pairs(samples: &[([i64; 2], usize)], beside: &[Vec<usize>]) -> BTreeMap<[usiz
 }
 
 /// Groups pairs whose pieces are beside each other on both sides.
-fn connected(pairs: &BTreeMap<[usize; 2], u32>, beside: &[Vec<usize>]) -> Vec<Vec<([usize; 2], u32)>> {
+fn connected(pairs: &BTreeMap<[usize; 2], u32>, beside: &BTreeMap<usize, Vec<usize>>) -> Vec<Vec<([usize; 2], u32)>> {
     let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
     let mut seen: BTreeSet<[usize; 2]> = BTreeSet::new();
     let mut groups = Vec::new();
@@ -230,7 +234,8 @@ fn connected(pairs: &BTreeMap<[usize; 2], u32>, beside: &[Vec<usize>]) -> Vec<Ve
         let mut waiting = vec![first];
         while let Some(pair) = waiting.pop() {
             group.push((pair, pairs[&sorted(pair)]));
-            let nexts = beside[pair[0]].iter().flat_map(|&one| beside[pair[1]].iter().map(move |&other| [one, other]));
+            let nexts =
+                beside[&pair[0]].iter().flat_map(|&one| beside[&pair[1]].iter().map(move |&other| [one, other]));
             waiting.extend(nexts.filter(|&next| pairs.contains_key(&sorted(next)) && seen.insert(sorted(next))));
         }
         groups.push(group);
@@ -249,10 +254,10 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
 }
 
-/// Visits the integer places on a triangle, including its border.
-fn visit(corners: [[f64; 2]; 3], mut visit: impl FnMut([i64; 2])) {
+/// Visits the integer places on a triangle of positive coordinates, including its border.
+fn visit(corners: [[f64; 2]; 3], mut visit: impl FnMut([usize; 2])) {
     let [bottom, top] = range(corners.iter().map(|corner| corner[1]));
-    for row in bottom.ceil() as i64..=top.floor() as i64 {
+    for row in bottom.ceil() as usize..=top.floor() as usize {
         let y = row as f64;
         let crossings = (0..3).filter_map(|k| {
             let [a, b] = [corners[k], corners[(k + 1) % 3]];
@@ -261,7 +266,7 @@ fn visit(corners: [[f64; 2]; 3], mut visit: impl FnMut([i64; 2])) {
         });
         let [left, right] = range(crossings);
         if left <= right {
-            (left.ceil() as i64..=right.floor() as i64).for_each(|column| visit([column, row]));
+            (left.ceil() as usize..=right.floor() as usize).for_each(|column| visit([column, row]));
         }
     }
 }
