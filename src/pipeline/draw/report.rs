@@ -52,9 +52,8 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
             None => {}
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
-        let (warning, note) = overlaps::told(prepared, index, sample);
-        report.warnings.extend(warning);
-        report.notes.extend(note);
+        report.warnings.extend(overlaps::order_warning(prepared, index, sample));
+        report.notes.extend(overlaps::crossing_note(prepared, index, sample));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
             layer: layer.name.clone(),
