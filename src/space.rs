@@ -6,7 +6,8 @@
 //! image  x right, y DOWN, pixels, as in files   ImagePoint                f64, pixel (i, j) has its centre at (i+.5, j+.5)
 //! ```
 //!
-//! [`FrameSize`] holds the only conversion (and the only y-flip) between screen and image.
+//! [`FrameSize`] converts between screen and image, [`uv_from_screen`] and [`screen_from_uv`] between the screen and the UVs of a
+//! picture over the whole frame. Only STMaps and the coordinates of hosts flip y elsewhere (docs/CONVENTIONS.md).
 
 mod window;
 
@@ -195,7 +196,7 @@ impl FrameSize {
         (self.aspect() - aspect).abs() <= slack + 1e-6
     }
 
-    /// Converts a screen point to image space. This and its inverse hold the only y-flip of the program.
+    /// Converts a screen point to image space, which flips y.
     ///
     /// ```
     /// use pinwarp::space::{FrameSize, ImagePoint, ScreenPoint};
@@ -227,11 +228,48 @@ impl FrameSize {
     pub const fn window(self) -> PixelRect {
         PixelRect { x: 0, y: 0, width: self.width, height: self.height }
     }
+
+    /// Returns the frame with the window of all its pixels.
+    #[must_use]
+    pub const fn whole(self) -> FrameWindow {
+        FrameWindow { frame: self, window: self.window() }
+    }
+}
+
+/// A window of pixels, and the frame to which its coordinates relate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameWindow {
+    /// The display window.
+    pub frame: FrameSize,
+    /// The pixels, relative to the upper left corner of the display window.
+    pub window: PixelRect,
+}
+
+/// Converts a screen point to the UVs of a picture over a frame `aspect` wide: the unit square, u right, v **down**.
+#[must_use]
+pub(crate) fn uv_from_screen([x, y]: [f64; 2], aspect: f64) -> [f64; 2] {
+    [x / aspect, 1.0 - y]
+}
+
+/// Converts UVs of a picture over a frame `aspect` wide to screen space; the inverse of [`uv_from_screen`].
+#[must_use]
+pub(crate) fn screen_from_uv([u, v]: [f64; 2], aspect: f64) -> [f64; 2] {
+    [aspect * u, 1.0 - v]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn uvs_begin_at_the_upper_left_corner_as_images_do() {
+        let frame = FrameSize { width: 720, height: 576, pixel_aspect: 1.4222 };
+        let image = ImagePoint::new(180.0, 144.0);
+        let screen = frame.screen_from_image(image).0.to_array();
+        let [u, v] = uv_from_screen(screen, frame.aspect());
+        assert!((u - 0.25).abs() < 1e-12 && (v - 0.25).abs() < 1e-12, "{u} {v}");
+        assert!((DVec2::from(screen_from_uv([u, v], frame.aspect())) - DVec2::from(screen)).length() < 1e-12);
+    }
 
     #[test]
     fn screen_and_image_are_inverse_with_anamorphic_pixels() {

@@ -10,7 +10,7 @@ use crate::image::{FileKind, Inputs, read_any};
 use crate::pipeline::{PreparedShot, Registration, input_files, layer_shape, picture_shape, register};
 use crate::shot::Shot;
 use crate::solve::Shape;
-use crate::space::{FrameSize, ImagePoint, ScreenPoint, ScreenVector};
+use crate::space::{FrameSize, FrameWindow, ImagePoint, ScreenPoint, ScreenVector};
 use crate::spelling::{self, pluralised};
 use anyhow::{Context, bail};
 use std::collections::BTreeMap;
@@ -108,7 +108,7 @@ fn picture_subject(args: &FitArgs) -> anyhow::Result<Subject> {
     let size = plate.frame_size();
     let Some(part) = plate.parts.first() else { bail!("{} holds no picture", args.a.display()) };
     let alpha = part.channels.iter().find(|channel| channel.name == "A").map(|channel| channel.samples.as_slice());
-    let shape = picture_shape(&args.a, (size, plate.window_of(part)), alpha)?;
+    let shape = picture_shape(&args.a, FrameWindow { frame: size, window: plate.window_of(part) }, alpha)?;
     let name = args.a.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Subject { shape, size, frame: args.frame.unwrap_or(1), rate: PICTURE_RATE, name })
 }

@@ -16,7 +16,7 @@ pub(crate) use table::table;
 use crate::lattice::{Basis, Grid, Lattice};
 use crate::solve::methods::{Deformed, Deformer};
 use crate::solve::problem_file::Measures;
-use crate::solve::{PointPin, Problem, SolveError};
+use crate::solve::{PointPin, Problem, SolveError, distance};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -120,8 +120,4 @@ fn stray<const D: usize>(lattice: &Lattice<D>) -> f64 {
     let grid = &lattice.grid;
     let away = lattice.handles.iter().map(|&handle| distance(&grid.clamp_to_box(handle), &handle));
     away.fold(0.0, f64::max) / grid.diagonal()
-}
-
-fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
 }

@@ -1,14 +1,15 @@
 //! Errors of lattice files and exports.
 
 use crate::image::ImageError;
-use std::path::PathBuf;
+use crate::key_fault::KeyFault;
+use std::path::{Path, PathBuf};
 
 /// An error of reading or writing exported files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
     /// The file cannot be opened.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}: {source}; check the path and its permissions")]
     Read {
         /// Path of the file.
         path: PathBuf,
@@ -46,4 +47,11 @@ pub enum ExportError {
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] ImageError),
+}
+
+impl ExportError {
+    /// The error of a file with a fault.
+    pub(super) fn invalid(path: &Path, KeyFault { key, what, hint }: KeyFault) -> Self {
+        Self::Invalid { path: path.to_owned(), key, what, hint }
+    }
 }

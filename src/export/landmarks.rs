@@ -5,6 +5,7 @@
 use super::ExportError;
 use crate::files::{TABLE_BYTES, read_text};
 use crate::image::FileKind;
+use crate::key_fault::KeyFault;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -43,9 +44,6 @@ pub struct Landmark {
     pub b: [f64; 2],
 }
 
-/// Key or line, what is wrong, and how to fix it.
-type Fault = (String, String, &'static str);
-
 impl Landmarks {
     /// Reads and checks a `.csv` file, or JSON.
     ///
@@ -56,22 +54,17 @@ impl Landmarks {
         let text = text.map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
         let read = if FileKind::of(path) == Some(FileKind::Csv) { from_csv(&text) } else { from_json(&text) };
         let checked = read.and_then(Self::checked);
-        checked.map_err(|(key, what, hint)| ExportError::Invalid {
-            path: path.to_owned(),
-            key,
-            what,
-            hint: hint.to_owned(),
-        })
+        checked.map_err(|fault| ExportError::invalid(path, fault))
     }
 
-    fn checked(mut self) -> Result<Self, Fault> {
+    fn checked(mut self) -> Result<Self, KeyFault> {
         if self.pairs.is_empty() {
-            return Err(("pairs".into(), "is empty".into(), "give at least one pair of points"));
+            return Err(KeyFault::new("pairs", "is empty", "give at least one pair of points"));
         }
         for (number, pair) in self.pairs.iter_mut().enumerate() {
             if pair.a.iter().chain(&pair.b).any(|value| !(-1e9..=1e9).contains(value)) {
                 let what = format!("is {:?} to {:?}", pair.a, pair.b);
-                return Err((format!("pairs[{number}]"), what, "give numbers within the pictures"));
+                return Err(KeyFault::new(format!("pairs[{number}]"), what, "give numbers within the pictures"));
             }
             if pair.name.is_empty() {
                 pair.name = format!("{}", number + 1);
@@ -81,17 +74,17 @@ impl Landmarks {
     }
 }
 
-fn from_json(text: &str) -> Result<Landmarks, Fault> {
+fn from_json(text: &str) -> Result<Landmarks, KeyFault> {
     serde_json::from_str(text).map_err(|error| {
         let place = format!("line {}, column {}", error.line(), error.column());
         let hint =
             "write { \"unit\": \"pixels\", \"pairs\": [ { \"name\": \"nose\", \"a\": [x, y], \"b\": [x, y] } ] }";
-        (place, error.to_string(), hint)
+        KeyFault::new(place, error.to_string(), hint)
     })
 }
 
 /// Parses lines of `ax,ay,bx,by` or `name,ax,ay,bx,by`, in pixels; skips empty lines, text from # on, and a header.
-fn from_csv(text: &str) -> Result<Landmarks, Fault> {
+fn from_csv(text: &str) -> Result<Landmarks, KeyFault> {
     let mut pairs = Vec::new();
     let lines = text.lines().map(str::trim).enumerate();
     for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
@@ -101,7 +94,7 @@ fn from_csv(text: &str) -> Result<Landmarks, Fault> {
         }
         pairs.push(csv_pair(&fields).ok_or_else(|| {
             let what = format!("'{line}' is no pair of points");
-            (format!("line {}", number + 1), what, "write ax,ay,bx,by or name,ax,ay,bx,by")
+            KeyFault::new(format!("line {}", number + 1), what, "write ax,ay,bx,by or name,ax,ay,bx,by")
         })?);
     }
     Ok(Landmarks { unit: LandmarkUnit::Pixels, pairs })

@@ -7,6 +7,7 @@ use super::raw::{RawBranch, RawBranches, RawFile, RawFrame, RawSpace, RawTrack};
 use super::{LatticeBranch, LatticeBranches};
 use crate::files::{GENERATOR, LATTICE_BYTES, read_text};
 use crate::image::replace_text;
+use crate::key_fault::KeyFault;
 use crate::lattice::{BoxFrame, Grid, Lattice};
 use crate::plate::WholeWarp;
 use crate::spelling::pluralised;
@@ -83,7 +84,7 @@ impl LatticeFile {
         let text = read_text(path, LATTICE_BYTES);
         let text = text.map_err(|source| ExportError::Read { path: path.to_owned(), source })?;
         let raw = serde_json::from_str(&text).map_err(|source| ExportError::Json { path: path.to_owned(), source })?;
-        check(raw).map_err(|(key, what, hint)| ExportError::Invalid { path: path.to_owned(), key, what, hint })
+        check(raw).map_err(|fault| ExportError::invalid(path, fault))
     }
 
     /// Whether any lattice branches.
@@ -166,27 +167,21 @@ pub fn lattice_at<const D: usize>(lattices: &BTreeMap<i32, Lattice<D>>, frame: f
     }
 }
 
-type Fault = (String, String, String);
-
-fn fault(key: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Fault {
-    (key.into(), what.into(), hint.into())
-}
-
-fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
+fn check(raw: RawFile) -> Result<LatticeFile, KeyFault> {
     if !(PLAIN_VERSION..=VERSION).contains(&raw.pinwarp_lattice) {
         let what = format!("the version is {}, this program reads 1 to {VERSION}", raw.pinwarp_lattice);
-        return Err(fault("pinwarp_lattice", what, "export it again with this version"));
+        return Err(KeyFault::new("pinwarp_lattice", what, "export it again with this version"));
     }
     let is_plain = raw.pinwarp_lattice == PLAIN_VERSION;
     let positive = [("frame_aspect", raw.frame_aspect), ("rate", raw.rate)];
     if let Some((key, value)) = positive.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
-        return Err(fault(key, format!("is {value}"), "give a number above 0"));
+        return Err(KeyFault::new(key, format!("is {value}"), "give a number above 0"));
     }
     let mut layers: Vec<LatticeTrack> = Vec::with_capacity(raw.layers.len());
     for (index, layer) in raw.layers.into_iter().enumerate() {
         let key = format!("layers[{index}]");
         if layers.iter().any(|other| other.name == layer.name) {
-            return Err(fault(format!("{key}.name"), format!("duplicate name '{}'", layer.name), "rename one"));
+            return Err(KeyFault::new(format!("{key}.name"), format!("duplicate name '{}'", layer.name), "rename one"));
         }
         let track = match layer.space {
             RawSpace::Screen => Track::Screen(lattices(&layer, &key)?),
@@ -204,18 +199,18 @@ fn check(raw: RawFile) -> Result<LatticeFile, Fault> {
         });
     }
     if layers.is_empty() {
-        return Err(fault("layers", "is empty", "export a shot whose layers have pins or moved handles"));
+        return Err(KeyFault::new("layers", "is empty", "export a shot whose layers have pins or moved handles"));
     }
     Ok(LatticeFile { frame_aspect: raw.frame_aspect, rate: raw.rate, layers })
 }
 
-fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, Lattice<D>>, Fault> {
+fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, Lattice<D>>, KeyFault> {
     let dims = <[usize; D]>::try_from(raw.dims.as_slice()).map_err(|_| {
         let given = pluralised(raw.dims.len(), "entry", "entries");
-        fault(format!("{key}.dims"), format!("has {given}"), format!("this space has {D} axes"))
+        KeyFault::new(format!("{key}.dims"), format!("has {given}"), format!("this space has {D} axes"))
     })?;
     if raw.frames.is_empty() {
-        return Err(fault(format!("{key}.frames"), "is empty", "a track needs at least one frame"));
+        return Err(KeyFault::new(format!("{key}.frames"), "is empty", "a track needs at least one frame"));
     }
     let mut found = BTreeMap::new();
     for (number, frame) in raw.frames.iter().enumerate() {
@@ -223,55 +218,55 @@ fn lattices<const D: usize>(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, L
         let corner = |side: usize| point(&frame.bounds[side], || format!("{key}.box[{side}]"));
         if !(-MAX_FRAME..=MAX_FRAME).contains(&frame.frame) {
             let hint = format!("give a whole number from -{MAX_FRAME} to {MAX_FRAME}");
-            return Err(fault(format!("{key}.frame"), format!("is {}", frame.frame), hint));
+            return Err(KeyFault::new(format!("{key}.frame"), format!("is {}", frame.frame), hint));
         }
         let angle = frame.angle.unwrap_or(0.0);
         let grid = Grid { dims, basis: raw.basis, lo: corner(0)?, hi: corner(1)?, angle };
-        grid.check().map_err(|error| fault(key.clone(), error.to_string(), "export it again"))?;
+        grid.check().map_err(|error| KeyFault::new(key.clone(), error.to_string(), "export it again"))?;
         if frame.handles.len() != grid.handle_count() {
             let given = pluralised(frame.handles.len(), "handle", "handles");
             let what = format!("{given}, dims {dims:?} have {}", grid.handle_count());
-            return Err(fault(format!("{key}.handles"), what, "list all, x fastest"));
+            return Err(KeyFault::new(format!("{key}.handles"), what, "list all, x fastest"));
         }
         let handles = frame.handles.iter().enumerate();
         let handles = handles.map(|(k, handle)| point(handle, || format!("{key}.handles[{k}]")));
         let lattice = Lattice { grid, handles: handles.collect::<Result<_, _>>()? };
         if found.insert(frame.frame, lattice).is_some() {
-            return Err(fault(key, format!("duplicate frame {}", frame.frame), "remove one of the two"));
+            return Err(KeyFault::new(key, format!("duplicate frame {}", frame.frame), "remove one of the two"));
         }
     }
     Ok(found)
 }
 
 /// Returns the placements of the boxes of a track.
-fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, Fault> {
+fn placements(raw: &RawTrack, key: &str) -> Result<BTreeMap<i32, BoxFrame>, KeyFault> {
     let placed =
         raw.frames.iter().enumerate().filter_map(|(number, frame)| Some((number, frame.frame, frame.placement?)));
     let frames = placed.map(|(number, frame, [x, y, z, origin])| {
         let key = || format!("{key}.frames[{number}].placement");
         if raw.space == RawSpace::Screen {
-            return Err(fault(key(), "is only allowed in scene-space tracks".to_owned(), "remove it"));
+            return Err(KeyFault::new(key(), "is only allowed in scene-space tracks".to_owned(), "remove it"));
         }
         let placement = BoxFrame::new(DMat3::from_cols_array_2d(&[x, y, z]), origin.into());
         let hint = "give three perpendicular axes of length 1, right-handed, and an origin";
-        Ok((frame, placement.ok_or_else(|| fault(key(), "is not a rigid frame".to_owned(), hint))?))
+        Ok((frame, placement.ok_or_else(|| KeyFault::new(key(), "is not a rigid frame".to_owned(), hint))?))
     });
     frames.collect()
 }
 
 /// Returns the branches of a track.
-fn branches(raw: &RawTrack, key: &str, is_plain: bool) -> Result<BTreeMap<i32, LatticeBranches>, Fault> {
+fn branches(raw: &RawTrack, key: &str, is_plain: bool) -> Result<BTreeMap<i32, LatticeBranches>, KeyFault> {
     let mut found = BTreeMap::new();
     for (number, frame) in raw.frames.iter().enumerate() {
         let key = |own: &str| format!("{key}.frames[{number}].{own}");
         if frame.angle.is_some_and(|angle| angle != 0.0) && (is_plain || raw.space == RawSpace::World) {
             let hint = "only boxes of screen lattices in files of version 2 can be rotated";
-            return Err(fault(key("angle"), "is not allowed here", hint));
+            return Err(KeyFault::new(key("angle"), "is not allowed here", hint));
         }
         let Some(branches) = &frame.branches else { continue };
         if is_plain || raw.space == RawSpace::World {
             let hint = "only screen lattices in files of version 2 can branch";
-            return Err(fault(key("branches"), "is not allowed here", hint));
+            return Err(KeyFault::new(key("branches"), "is not allowed here", hint));
         }
         found.insert(frame.frame, checked_branches(branches, frame.handles.len(), key)?);
     }
@@ -282,7 +277,7 @@ fn checked_branches(
     raw: &RawBranches,
     handle_count: usize,
     key: impl Fn(&str) -> String,
-) -> Result<LatticeBranches, Fault> {
+) -> Result<LatticeBranches, KeyFault> {
     let points = raw.points.iter().enumerate();
     let points =
         points.map(|(k, place)| point(place, || key(&format!("branches.points[{k}]")))).collect::<Result<_, _>>()?;
@@ -293,23 +288,23 @@ fn checked_branches(
         for &(handle, x, y) in &branch.handles {
             let Some(place) = handles.get_mut(handle as usize) else {
                 let what = format!("has handle {handle}, there are {handle_count}");
-                return Err(fault(own("handles"), what, "count from 0, x fastest"));
+                return Err(KeyFault::new(own("handles"), what, "count from 0, x fastest"));
             };
             *place = Some(point(&[x, y], || own("handles"))?);
         }
         if handles.iter().all(Option::is_none) {
-            return Err(fault(own("handles"), "is empty", "list the handles that act on it"));
+            return Err(KeyFault::new(own("handles"), "is empty", "list the handles that act on it"));
         }
         let is_wrong =
             |polygon: &Vec<u32>| polygon.len() < 3 || polygon.iter().any(|&corner| corner as usize >= raw.points.len());
         if let Some(place) = branch.region.iter().position(is_wrong) {
             let hint = "give three corners or more, as indices of `points`";
-            return Err(fault(own(&format!("region[{place}]")), "is no polygon".to_owned(), hint));
+            return Err(KeyFault::new(own(&format!("region[{place}]")), "is no polygon".to_owned(), hint));
         }
         list.push(LatticeBranch { handles, region: branch.region.clone() });
     }
     if list.is_empty() {
-        return Err(fault(key("branches.list"), "is empty", "leave `branches` out"));
+        return Err(KeyFault::new(key("branches.list"), "is empty", "leave `branches` out"));
     }
     Ok(LatticeBranches { points, list })
 }
@@ -324,10 +319,10 @@ fn raw_branches(branches: &LatticeBranches) -> RawBranches {
     RawBranches { points: branches.points.clone(), list: list.collect() }
 }
 
-fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], Fault> {
+fn point<const D: usize>(values: &[f64], key: impl Fn() -> String) -> Result<[f64; D], KeyFault> {
     match <[f64; D]>::try_from(values) {
         Ok(point) if point.iter().all(|x| x.abs() <= FARTHEST) => Ok(point),
-        _ => Err(fault(key(), format!("is {values:?}"), format!("give {D} numbers of at most {FARTHEST}"))),
+        _ => Err(KeyFault::new(key(), format!("is {values:?}"), format!("give {D} numbers of at most {FARTHEST}"))),
     }
 }
 

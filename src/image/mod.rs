@@ -10,6 +10,7 @@ mod codes;
 mod complete;
 #[cfg(feature = "cli")]
 mod contact_sheet;
+mod convex_spans;
 pub mod cryptomatte;
 mod draw;
 mod error;
@@ -50,6 +51,7 @@ pub(crate) use codes::write_codes;
 pub use complete::is_complete;
 #[cfg(feature = "cli")]
 pub(crate) use contact_sheet::ContactSheet;
+pub(crate) use convex_spans::convex_spans;
 pub use draw::{Canvas, Rgba8};
 pub use error::ImageError;
 pub use exr_read::{read_exr, read_metadata};

@@ -6,6 +6,7 @@
 use super::axis::MAX_HANDLES;
 use super::basis::Basis;
 use super::grid::Lattice;
+use crate::simd::dispatch;
 use crate::space::ScreenPoint;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
@@ -159,15 +160,6 @@ impl WithSimd for Kernel<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         self.warp.warp_chunk(self.points);
     }
-}
-
-/// Runs a kernel with the widest registers of up to eight floats that the processor supports.
-fn dispatch(kernel: Kernel) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
-        return Simd::vectorize(simd, kernel);
-    }
-    Simd::vectorize(pulp::Scalar, kernel);
 }
 
 /// Returns the cell and the local coordinate.

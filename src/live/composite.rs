@@ -6,7 +6,7 @@
 use super::picture::{Alpha, Associated, products};
 use super::regions::{reach, rect};
 use super::{Render, Warp, take_planes};
-use crate::plate::{Coverage, Field, Filter, Planes, WarpMap, over, resample_part, transmittance};
+use crate::plate::{Coverage, Field, Filter, OPAQUE_COVERAGE, Planes, WarpMap, over, resample_part, transmittance};
 use crate::space::PixelRect;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -14,9 +14,6 @@ use std::sync::Arc;
 
 /// Samples per parallel task.
 const BATCH: usize = 1 << 12;
-
-/// Coverage above this counts as complete, because filter weights sum to 1 only up to rounding.
-const WHOLE: f32 = 1.0 - 1e-5;
 
 /// Alpha below this counts as 0, since dividing by it is meaningless.
 const MIN_ALPHA: f32 = 1e-6;
@@ -182,7 +179,7 @@ impl<'a> Compositor<'a> {
     fn put_behind(&self, drawn: &mut [Vec<f32>], behind: &[Vec<f32>], alpha: usize) {
         let is_associated = self.is_straight || self.job.source.alpha == Alpha::Premultiplied;
         let left = |cover: f32| match cover.clamp(0.0, 1.0) {
-            cover if cover > WHOLE => 0.0,
+            cover if cover > OPAQUE_COVERAGE => 0.0,
             cover if is_associated => 1.0 - cover,
             cover => f32::from(u8::from(cover < MIN_ALPHA)),
         };

@@ -106,7 +106,7 @@ fn shot(source: Source, size: FrameSize) -> Shot {
         is_looped: false,
         frames: FrameRange { first: 0, last: 0, rate: 24.0, clip_start: 0 },
         solve_range: [0, 0],
-        shutter: Shutter { angle: 0.0, phase: 0.0 },
+        shutter: Shutter::CLOSED,
         size,
         samples: 1,
         environment: None,

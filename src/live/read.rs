@@ -31,18 +31,18 @@ pub(crate) struct ShotFile {
 impl ShotFile {
     /// Summarises for the user what was read, for a host with `most` pins.
     #[must_use]
-    pub(crate) fn told(&self, most: usize) -> String {
+    pub(crate) fn summary(&self, most: usize) -> String {
         let count = self.tracks.len();
-        let mut told = vec![format!("read {} of layer {}", pluralised(count.min(most), "pin", "pins"), self.layer)];
+        let mut parts = vec![format!("read {} of layer {}", pluralised(count.min(most), "pin", "pins"), self.layer)];
         if count > most {
             let more = pluralised(count - most, "more is", "more are");
-            told.push(format!("{more} skipped: at most {most} fit"));
+            parts.push(format!("{more} skipped: at most {most} fit"));
         }
         if self.tracks.iter().any(|track| track.keys.len() > 1) {
-            told.push("between keys, the host's interpolation applies".to_owned());
+            parts.push("between keys, the host's interpolation applies".to_owned());
         }
-        told.extend(self.warnings.iter().cloned());
-        told.join("; ")
+        parts.extend(self.warnings.iter().cloned());
+        parts.join("; ")
     }
 }
 

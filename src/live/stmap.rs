@@ -6,7 +6,7 @@ use super::map_tiles::MapTile;
 use super::{OutputGuard, Warp};
 use crate::image::{Compression, FrameMetadata, ImageError, Plate, Storage, read_any_head, write_exr};
 use crate::plate::{WarpMap, stmap_of};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameSize, FrameWindow, PixelRect};
 use std::path::Path;
 
 /// Source positions of the pixels of a window, as fractions of the frame.
@@ -91,7 +91,7 @@ fn is_own_stmap(head: &Plate) -> bool {
 /// [`ImageError`] as `check_stmap_path`, and if the file cannot be written.
 pub(crate) fn save_stmap(warp: &Warp, size: FrameSize, file: StMapFile, guard: &OutputGuard) -> Result<(), ImageError> {
     check_stmap_path(file.path, guard)?;
-    let map = warp.map_of_parts((size, size.window()));
+    let map = warp.map_of_parts(size.whole());
     let map = map.unwrap_or_else(|| WarpMap::backward(&warp.field, size, size.window()));
     let metadata = FrameMetadata {
         frame: file.frame,
@@ -109,7 +109,7 @@ fn map(warp: &Warp, frame: FrameSize, window: PixelRect) -> WarpMap {
     if warp.is_identity() {
         return whole;
     }
-    if let Some(map) = warp.map_of_parts((frame, window)) {
+    if let Some(map) = warp.map_of_parts(FrameWindow { frame, window }) {
         return map;
     }
     for tile in MapTile::all_of(frame, window) {

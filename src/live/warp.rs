@@ -6,7 +6,7 @@ use super::key::Key;
 use crate::lattice::ScreenLattice;
 use crate::plate::{Coverage, Field, WarpMap};
 use crate::solve::SolveReport;
-use crate::space::{FrameSize, PixelRect, ScreenPoint};
+use crate::space::{FrameSize, FrameWindow, ScreenPoint};
 
 /// The warp of a picture at one time.
 #[derive(Clone, Debug)]
@@ -133,9 +133,9 @@ impl Warp {
     }
 
     /// Computes the map of a window if the picture has parts.
-    pub(super) fn map_of_parts(&self, (frame, window): (FrameSize, PixelRect)) -> Option<WarpMap> {
+    pub(super) fn map_of_parts(&self, FrameWindow { frame, window }: FrameWindow) -> Option<WarpMap> {
         let covered = self.covered.as_ref().filter(|_| !self.parts.is_empty())?;
-        Some(WarpMap::backward_of_shares(&self.parts, covered, (frame, window)))
+        Some(WarpMap::backward_of_shares(&self.parts, covered, FrameWindow { frame, window }))
     }
 
     /// Returns its weight in a cache: 1, and more for the pixels of its parts.

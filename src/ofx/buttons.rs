@@ -110,7 +110,7 @@ fn read(values: ParamValues, host_frame: &HostFrame) -> Result<String, Fault> {
     params.end_edit();
     let has_scale = file.tracks.iter().flat_map(|track| &track.keys).any(|key| key.scale.is_some());
     let scale = if has_scale { "; pin scales in the file are ignored" } else { "" };
-    Ok(file.told(PINS) + scale)
+    Ok(file.summary(PINS) + scale)
 }
 
 /// Writes a pin and its keys to the parameters.

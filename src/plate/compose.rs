@@ -15,6 +15,7 @@ use super::vectors::compose_vectors;
 use super::visible_samples::visible_samples;
 use super::{Filter, Planes, PlateReport, Semantic};
 use crate::image::{Channel, Plate};
+use crate::space::FrameWindow;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -84,7 +85,9 @@ fn report_folds(compositor: &PlateCompositor, composite: &Composite, report: &mu
         let folded: BTreeSet<usize> = same.iter().flat_map(of_part).collect();
         let moving_layer = same[0].1;
         if !folded.is_empty() {
-            report.warnings.push(moving_layer.fold_warning(folded.len(), (frame, composite.window)));
+            report
+                .warnings
+                .push(moving_layer.fold_warning(folded.len(), FrameWindow { frame, window: composite.window }));
         }
         all.extend(folded);
     }

@@ -4,6 +4,9 @@
 
 use crate::space::{FrameSize, PixelRect};
 
+/// Coverage above this counts as complete, because filter weights sum to 1 only up to rounding.
+pub(crate) const OPAQUE_COVERAGE: f32 = 1.0 - 1e-5;
+
 /// The fraction of every pixel of a picture that something covers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {

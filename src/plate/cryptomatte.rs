@@ -10,7 +10,7 @@ use super::disjoint_over::{Occlusion, Run};
 use super::filter::{BAND, bands, footprint_bounds, footprint_taps};
 use super::resampler::ResampleContext;
 use super::uniform_regions::UniformRegions;
-use crate::image::cryptomatte::{Coverage, MatteId};
+use crate::image::cryptomatte::{IdCoverage, MatteId};
 use rayon::prelude::*;
 
 /// One rank of the source: ids and coverages, #pixels each.
@@ -36,7 +36,7 @@ struct RankSource<'a> {
 #[derive(Default)]
 struct Scratch {
     taps: Vec<(usize, f32)>,
-    coverage: Coverage,
+    coverage: IdCoverage,
     ranks: Vec<f32>,
 }
 
@@ -144,7 +144,13 @@ impl CryptomatteRanks<'_> {
     }
 
     /// Adds the ranks of a sample, scaled by the layer's matte.
-    fn add(&self, composite: &Composite, layer: &WarpedLayer, (index, weight): (usize, f32), coverage: &mut Coverage) {
+    fn add(
+        &self,
+        composite: &Composite,
+        layer: &WarpedLayer,
+        (index, weight): (usize, f32),
+        coverage: &mut IdCoverage,
+    ) {
         let of_layer = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[index]);
         for [ids, coverages] in &self.ranks {
             let id = MatteId::from_sample(ids[index]);
@@ -168,7 +174,7 @@ impl CryptomatteRanks<'_> {
         matted.filter(|matted| !matted.is_empty()).map(|matted| f32::from(u8::from(!matted.contains(&true))))
     }
 
-    fn fill(&self, place: usize, hole: f32, coverage: &mut Coverage) {
+    fn fill(&self, place: usize, hole: f32, coverage: &mut IdCoverage) {
         if hole <= 0.0 {
             return;
         }

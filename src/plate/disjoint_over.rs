@@ -8,6 +8,7 @@
 
 use super::Planes;
 use super::composite::{Composite, WarpedLayer};
+use super::coverage::OPAQUE_COVERAGE;
 use super::resampler::Resampling;
 use super::visibility::dim;
 use rayon::prelude::*;
@@ -16,9 +17,6 @@ use std::ops::Range;
 
 /// Pixels per parallel task.
 pub(super) const BATCH: usize = 1 << 14;
-
-/// Coverage above this counts as complete, because filter weights sum to 1 only up to rounding.
-const WHOLE: f32 = 1.0 - 1e-5;
 
 /// Number of planes that are weighted and filtered together.
 const GROUP: usize = 8;
@@ -281,7 +279,7 @@ fn each_pixel(
 
 /// Returns 1 − opacity, and exactly 0 where the opacity is 1 up to rounding.
 fn transmitted(mut opacity: Vec<f32>) -> Vec<f32> {
-    let left = |opacity: f32| if opacity > WHOLE { 0.0 } else { 1.0 - opacity };
+    let left = |opacity: f32| if opacity > OPAQUE_COVERAGE { 0.0 } else { 1.0 - opacity };
     opacity.par_iter_mut().with_min_len(BATCH).for_each(|opacity| *opacity = left(*opacity));
     opacity
 }

@@ -11,8 +11,9 @@ use super::disjoint_over::{Occlusion, occlusion};
 use super::matte::MatteCoverage;
 use rayon::prelude::*;
 
-/// Coverage from which on a pixel shows layers only.
-const WHOLE: f32 = 1.0 - 1e-6;
+/// Coverage from which on a pixel shows layers only. Mattes are not filtered, so their rounding is less than that which
+/// [`OPAQUE_COVERAGE`](super::coverage::OPAQUE_COVERAGE) allows for.
+const OPAQUE_MATTE: f32 = 1.0 - 1e-6;
 
 /// A composite whose mattes no longer hold any background.
 pub(super) struct EdgeSplit<'a> {
@@ -81,7 +82,7 @@ impl<'a> EdgeSplit<'a> {
         let (mut plate, mut behind) = (compositor.table.channel(entry.index).samples.clone(), behind.to_vec());
         let source = self.shares.source;
         for (pixel, covered) in self.covered.iter().enumerate() {
-            let Some(covered) = covered.filter(|covered| *covered < WHOLE) else { continue };
+            let Some(covered) = covered.filter(|covered| *covered < OPAQUE_MATTE) else { continue };
             let Some(place) = window.sample_index(source.pixel_at(pixel)) else { continue };
             let (sample, rest) = (&mut plate[pixel], 1.0 - covered);
             if behind[place].is_finite() && sample.is_finite() {

@@ -47,7 +47,7 @@ pub(super) struct FlowPin {
     /// Strength, 0 to 1, with which the pin repels the discs of others.
     pub(super) weight: f64,
     /// Distance that the disc may reach beyond the border, in frame heights.
-    pub(super) give: f64,
+    pub(super) border_slack: f64,
     /// Remaining rotation (radians) and logarithm of the scale, applied after the pin has arrived.
     pub(super) turn: [f64; 2],
 }
@@ -211,7 +211,7 @@ impl DiscPacking<'_> {
     fn radius(&self, centers: &[DVec2], index: usize) -> f64 {
         let own = &self.flow_pins[index];
         let at = centers[index];
-        let mut radius = LARGEST.min(FILL * inside(self.bounds, at).max(0.0) + own.give);
+        let mut radius = LARGEST.min(FILL * inside(self.bounds, at).max(0.0) + own.border_slack);
         let claim = |flow_pin: &FlowPin| flow_pin.from.distance(flow_pin.to) + self.even * flow_pin.weight;
         for (other, flow_pin) in self.flow_pins.iter().enumerate() {
             if other != index && flow_pin.weight > 0.0 {
@@ -226,8 +226,8 @@ impl DiscPacking<'_> {
     /// Returns the longest step that a pin may take and its speed, both as fractions of its path.
     fn speed(&self, centers: &[DVec2], index: usize) -> [f64; 2] {
         let flow_pin = &self.flow_pins[index];
-        let way = flow_pin.from.distance(flow_pin.to);
-        let room = (self.radius(centers, index) - FLOOR).max(0.0) / way;
+        let length = flow_pin.from.distance(flow_pin.to);
+        let room = (self.radius(centers, index) - FLOOR).max(0.0) / length;
         [STEEP * room.max(SLOW) / SLOPE, (room / SLOW).min(1.0)]
     }
 }

@@ -5,7 +5,7 @@
 use super::pixel_field::{Direction, PixelField};
 use super::warp_map::{HALF, nearest_source};
 use super::{Coverage, Field, WarpMap};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::FrameWindow;
 use std::collections::BTreeSet;
 
 /// Parts that divide a picture among them, from back to front, each with its field and its share of every pixel; and the coverage of all.
@@ -19,14 +19,16 @@ impl WarpMap {
     pub(crate) fn backward_of_shares(
         parts: &[(Field, Coverage)],
         covered: &Coverage,
-        (frame, window): (FrameSize, PixelRect),
+        FrameWindow { frame, window }: FrameWindow,
     ) -> Self {
         let mut map = Self { offsets: vec![[f32::NAN; 2]; window.area()], ..Self::identity(frame, window) };
         let mut is_covered = vec![false; window.area()];
         let mut folded = BTreeSet::new();
         for (field, share) in parts {
             let bound = |pixel| if covered.at(pixel, frame) >= HALF { 1.0 } else { 0.5 * HALF };
-            let part = Self::backward_showing(field, (frame, window), |pixel| share.at(pixel, frame) * bound(pixel));
+            let part = Self::backward_showing(field, FrameWindow { frame, window }, |pixel| {
+                share.at(pixel, frame) * bound(pixel)
+            });
             let is_shown = |source| share.at(source, frame) >= HALF && covered.at(source, frame) >= HALF;
             let folds = part.folds_of_branch((field, Direction::Backward), is_shown);
             for (index, is_covered) in is_covered.iter_mut().enumerate() {
@@ -71,7 +73,7 @@ impl WarpMap {
 
     /// Returns the target of every pixel centre of a picture, moved by the part that covers at least half of it; the rest stays.
     #[must_use]
-    pub(crate) fn forward_of_parts(parts: &[(Field, Coverage)], (frame, window): (FrameSize, PixelRect)) -> Self {
+    pub(crate) fn forward_of_parts(parts: &[(Field, Coverage)], FrameWindow { frame, window }: FrameWindow) -> Self {
         let mut map = Self::identity(frame, window);
         let mut folded = BTreeSet::new();
         for (field, coverage) in parts {
@@ -93,6 +95,7 @@ impl WarpMap {
 mod tests {
     use super::*;
     use crate::lattice::{Basis, Grid};
+    use crate::space::FrameSize;
 
     const FRAME: FrameSize = FrameSize { width: 40, height: 20, pixel_aspect: 1.0 };
 
@@ -117,7 +120,7 @@ mod tests {
         let shown = columns(0..24);
         let mut covered = shown.clone();
         (0..800).filter(|index| (12..20).contains(&(index % 40))).for_each(|index| covered.samples[index] = 0.0);
-        let map = WarpMap::backward_of_shares(&parts, &covered, (FRAME, FRAME.window()));
+        let map = WarpMap::backward_of_shares(&parts, &covered, FRAME.whole());
         let source = |x: i32| map.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
         let expected = |x: i32| match x {
             // Its visible columns lie over the first part; its transparent rest does not.
@@ -132,7 +135,7 @@ mod tests {
     #[test]
     fn parts_go_where_their_own_field_says() {
         let parts = [(shift(4.0), columns(4..12)), (shift(0.0), columns(12..20))];
-        let there = WarpMap::forward_of_parts(&parts, (FRAME, FRAME.window()));
+        let there = WarpMap::forward_of_parts(&parts, FRAME.whole());
         let target = |x: i32| there.source(x, 10).map(|[x, _]| (x - 0.5).round() as i32);
         (0..40).for_each(|x| assert_eq!(target(x), Some(if (4..12).contains(&x) { x + 4 } else { x }), "{x}"));
     }

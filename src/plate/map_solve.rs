@@ -9,7 +9,7 @@ use super::map_mesh::WarpedMesh;
 use super::map_patch::LARGEST;
 use super::pixel_field::{Direction, PixelField, center, corner, extent};
 use super::warp_map::{HALF, WarpMap, nearest_source};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameSize, FrameWindow, PixelRect};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -34,7 +34,7 @@ impl WarpMap {
     #[must_use]
     pub(crate) fn backward_showing(
         field: &Field,
-        (frame, window): (FrameSize, PixelRect),
+        FrameWindow { frame, window }: FrameWindow,
         coverage: impl Fn([i32; 2]) -> f32,
     ) -> Self {
         let (mut map, folds) = Self::without_folds(field, frame, window);

@@ -59,6 +59,7 @@ mod whole;
 
 pub(crate) use color_layers::{ColorLayer, color_layers};
 pub use coverage::Coverage;
+pub(crate) use coverage::OPAQUE_COVERAGE;
 pub(crate) use default_matte::{coverage_of, mattes_of_names};
 pub(crate) use disjoint_over::{over, transmittance};
 pub use field::Field;

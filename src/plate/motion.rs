@@ -11,7 +11,7 @@ use super::moving_layer::MovingLayer;
 use super::pixel_field::{Direction, corner, extent};
 use super::visible_samples::VisibleSample;
 use super::{Field, MotionEncoding, Semantic, WarpMap};
-use crate::space::{FrameSize, ImagePoint, PixelRect};
+use crate::space::{FrameSize, FrameWindow, ImagePoint, PixelRect};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -41,7 +41,7 @@ pub(super) fn warped_motion(
 ) -> [Vec<f32>; 2] {
     let of_layer = |(index, layer)| {
         let window = composite.reach(index);
-        Displacements::of(layer, vectors.semantic, (frame, window))
+        Displacements::of(layer, vectors.semantic, FrameWindow { frame, window })
     };
     let displacements: Vec<Displacements> = moving_layers.iter().enumerate().map(of_layer).collect();
     let warped = |seen: &VisibleSample| -> (f32, f32) {
@@ -78,7 +78,7 @@ pub(super) fn fill_motion(
         return;
     }
     let HoleVectors { vectors, window, background } = *behind;
-    let displacements = Displacements::of(background, vectors.semantic, (frame, window));
+    let displacements = Displacements::of(background, vectors.semantic, FrameWindow { frame, window });
     let factors = [0, 1].map(|axis| (vectors.encoding.pixels_per_unit[axis] / encoding.pixels_per_unit[axis]) as f32);
     let [us, vs] = planes;
     let pixels = us.par_iter_mut().zip(vs).zip(visible).enumerate();
@@ -121,7 +121,7 @@ struct Displacements<'a> {
 }
 
 impl<'a> Displacements<'a> {
-    fn of(moving_layer: &'a MovingLayer, semantic: Semantic, (frame, window): (FrameSize, PixelRect)) -> Self {
+    fn of(moving_layer: &'a MovingLayer, semantic: Semantic, FrameWindow { frame, window }: FrameWindow) -> Self {
         let field = if semantic == Semantic::Backward { &moving_layer.previous } else { &moving_layer.next };
         let [now, other] = [&moving_layer.now, field].map(|field| match moving_layer.direction {
             Direction::Forward => WarpMap::forward_alone(field, frame, window),

@@ -4,7 +4,7 @@
 
 use super::pixel_field::Direction;
 use super::{Field, Front, LayerJob, Matte, PlateJob};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::FrameWindow;
 use crate::spelling::pluralised;
 
 /// A unit of motion: the background outside of all mattes, or a layer with its matte.
@@ -55,7 +55,7 @@ impl<'a> MovingLayer<'a> {
 
 impl MovingLayer<'_> {
     /// Describes a fold, the layers that cause it, and the remedy.
-    pub(super) fn fold_warning(&self, pixels: usize, (frame, window): (FrameSize, PixelRect)) -> String {
+    pub(super) fn fold_warning(&self, pixels: usize, FrameWindow { frame, window }: FrameWindow) -> String {
         let folding: Vec<&str> = match &self.bent_by[..] {
             [(only, _)] => vec![only],
             layers => layers.iter().filter(|(_, field)| field.folds_in(frame, window)).map(|(name, _)| *name).collect(),

@@ -22,7 +22,7 @@ pub struct WarpMap {
 }
 
 /// Largest difference between neighbouring steps on one surface, in pixels per pixel; larger ones mark an edge between surfaces.
-const TEAR: f32 = 0.5;
+const MAX_DIFFERENCE: f32 = 0.5;
 
 /// Smallest coverage at which a surface counts as visible at a pixel.
 pub(super) const HALF: f32 = 0.5;
@@ -62,6 +62,8 @@ impl WarpMap {
 
     /// Returns the change of the offset per pixel along an axis, from the neighbours. At the border of the map, the next change tells
     /// whether the only neighbour is on the same surface. `stride`: to the next of `count` pixels, `place`: of this pixel among them.
+    ///
+    /// The steepness of a filter's footprint (`src/plate/filter/footprint.rs`) differs and says why.
     fn step(&self, at: usize, stride: usize, (place, count): (usize, usize)) -> [f32; 2] {
         let change = |from: usize| {
             let [from, to] = [self.offsets[from], self.offsets[from + stride]];
@@ -77,12 +79,8 @@ impl WarpMap {
             (false, false) => (None, None),
         };
         match (near, other) {
-            (Some(a), Some(b)) if square([a[0] - b[0], a[1] - b[1]]) > TEAR * TEAR => {
-                if square(a) <= square(b) {
-                    a
-                } else {
-                    b
-                }
+            (Some(a), Some(b)) if square([a[0] - b[0], a[1] - b[1]]) > MAX_DIFFERENCE * MAX_DIFFERENCE => {
+                if square(a) <= square(b) { a } else { b }
             }
             (Some(a), Some(b)) if has_before && has_after => [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])],
             (Some(only), _) => only,

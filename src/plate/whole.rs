@@ -19,23 +19,25 @@ use std::sync::Arc;
 /// Least and greatest width of the ramp, as fractions of the frame's shorter side.
 const RAMP: [f64; 2] = [0.02, 0.2];
 /// Greatest compression by the lattice at any sample point.
-const PRESS: f64 = 0.75;
+const MAX_COMPRESSION: f64 = 0.75;
 /// Upper bound of the displacement relative to that of the furthest pin; for a single pin, for several.
-const AMPLIFY: [f64; 2] = [1.04, 1.4];
+const MAX_DISPLACEMENT_RATIO: [f64; 2] = [1.04, 1.4];
 /// How much steeper the remainder for the flow may be than the whole, as a factor and as an absolute margin.
-const STEEPER: [f64; 2] = [1.2, 0.1];
-/// Sample points per span of the lattice, and their minimum and maximum per axis.
-const LOOKS: (usize, [usize; 2]) = (6, [48, 160]);
+const STEEPNESS_LIMIT: [f64; 2] = [1.2, 0.1];
+/// Sample points per span of the lattice.
+const SAMPLES_PER_SPAN: usize = 6;
+/// Least and greatest number of sample points per axis.
+const SAMPLES_PER_AXIS: [usize; 2] = [48, 160];
 /// The border gives way if a pin comes closer to it than this fraction of its path towards the border and along it.
 const NEAR: f64 = 0.1;
 /// The border gives way to a pin that leaves it inwards from a rest point closer than this, in frame heights: a pixel at HD.
 const EDGE: f64 = 1e-3;
 /// The disc of such a pin reaches beyond the border by this multiple of the missing distance.
-const GIVE: f64 = 3.0;
+const SLACK_PER_DISTANCE: f64 = 3.0;
 /// Reach of rotated and scaled pins, in frame heights.
 const LEVER: f64 = 0.15;
 /// Sample points of the border per axis.
-const BORDER_LOOKS: usize = 2048;
+const BORDER_SAMPLES: usize = 2048;
 
 /// A pin of a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,8 +75,8 @@ impl WholeWarp {
         let bounds = ScreenBox::new(ScreenPoint(grid.lo.into()), ScreenPoint(grid.hi.into()));
         let ramp = Ramp::new(bounds, widths(bounds, pins));
         let full = ExtrapolatedLattice::resting(lattice, ramp);
-        let share = share(&full, &ramp, (lattice, bounds), pins);
-        let lattice = lattice.with_strength(share);
+        let fraction = lattice_fraction(&full, &ramp, (lattice, bounds), pins);
+        let lattice = lattice.with_strength(fraction);
         let resting = ExtrapolatedLattice::resting(&lattice, ramp);
         let flow_pins: Vec<FlowPin> = pins.iter().map(|pin| pin.flow_pin(&resting, bounds)).collect();
         let flow = Flow::of(&flow_pins, bounds);
@@ -107,27 +109,33 @@ impl WholePin {
             self.rotation.map_or(0.0, |angle| (angle - turned) * self.weight),
             self.log_scale.map_or(0.0, |scale| (scale - swollen) * self.weight),
         ];
-        FlowPin { from, to: from.lerp(self.target.0, self.weight), weight: self.weight, give: self.give(bounds), turn }
+        FlowPin {
+            from,
+            to: from.lerp(self.target.0, self.weight),
+            weight: self.weight,
+            border_slack: self.border_slack(bounds),
+            turn,
+        }
     }
 
-    fn way(&self) -> DVec2 {
+    fn path(&self) -> DVec2 {
         (self.target.0 - self.rest.0) * self.weight
     }
 
     /// Returns how far the border gives way to the pin. A pin that moves away from a side of the frame stretches what
     /// lies between; a border that followed it would leave a hole.
-    fn give(&self, bounds: ScreenBox) -> f64 {
-        let (rest, way) = (self.rest.0, self.way());
-        let length = way.length();
+    fn border_slack(&self, bounds: ScreenBox) -> f64 {
+        let (rest, path) = (self.rest.0, self.path());
+        let length = path.length();
         let missing = |axis: usize, outwards: f64, side: f64| {
-            let room = (outwards * (side - rest[axis])).min(outwards * (side - rest[axis] - way[axis]));
-            let inwards = -outwards * way[axis];
-            let stays_near = if inwards > 0.0 { (way[1 - axis].abs() - inwards).max(0.0) } else { length };
+            let room = (outwards * (side - rest[axis])).min(outwards * (side - rest[axis] - path[axis]));
+            let inwards = -outwards * path[axis];
+            let stays_near = if inwards > 0.0 { (path[1 - axis].abs() - inwards).max(0.0) } else { length };
             (NEAR * length).min(EDGE).max(NEAR * stays_near) - room
         };
         let sides =
             [0, 1].map(|axis| missing(axis, -1.0, bounds.min.0[axis]).max(missing(axis, 1.0, bounds.max.0[axis])));
-        GIVE * sides[0].max(sides[1]).clamp(0.0, 1.0 / GIVE)
+        SLACK_PER_DISTANCE * sides[0].max(sides[1]).clamp(0.0, 1.0 / SLACK_PER_DISTANCE)
     }
 
     /// Returns how far a rotation and a scale move the surroundings of the pin.
@@ -151,17 +159,17 @@ fn widths(bounds: ScreenBox, pins: &[WholePin]) -> [[f64; 2]; 2] {
 /// Returns the fraction of the lattice that is used: 1, unless the lattice compresses the picture too much, moves any
 /// point further than the pins move, or leaves the flow more than it removes. All three are convex in the fraction, so
 /// it varies continuously with the pins.
-fn share(
+fn lattice_fraction(
     full: &ExtrapolatedLattice,
     ramp: &Ramp,
     (lattice, bounds): (&ScreenLattice, ScreenBox),
     pins: &[WholePin],
 ) -> f64 {
-    let longest = pins.iter().map(|pin| pin.way().length() + pin.lever()).fold(0.0, f64::max);
+    let longest = pins.iter().map(|pin| pin.path().length() + pin.lever()).fold(0.0, f64::max);
     if longest == 0.0 {
         return 0.0;
     }
-    let [swell, press] = looks(full, ramp, lattice);
+    let [displacement, compression] = max_displacement_and_compression(full, ramp, lattice);
     let carried: Vec<DVec2> = pins.iter().map(|pin| full.displace(pin.rest.0).0 * pin.weight).collect();
     let still: Vec<FlowPin> = pins
         .iter()
@@ -169,21 +177,23 @@ fn share(
             from: pin.rest.0,
             to: pin.rest.0,
             weight: pin.weight,
-            give: pin.give(bounds),
+            border_slack: pin.border_slack(bounds),
             turn: [0.0; 2],
         })
         .collect();
     let radii = Flow::first_radii(&still, bounds);
-    let left = |part: f64| pins.iter().zip(&carried).map(move |(pin, by)| (pin.way() - *by * part).length());
+    let left = |part: f64| pins.iter().zip(&carried).map(move |(pin, by)| (pin.path() - *by * part).length());
     let steepness = |part: f64| {
         let steep = left(part).zip(&radii).filter(|(_, radius)| **radius > 0.0).map(|(left, radius)| left / radius);
         steep.fold(0.0, f64::max)
     };
-    let moving = pins.iter().filter(|pin| pin.way() != DVec2::ZERO).count();
-    let most = AMPLIFY[usize::from(pins.len() > 1 && moving > 0)] * longest;
-    let steepest = STEEPER[0] * steepness(0.0) + STEEPER[1];
+    let moving = pins.iter().filter(|pin| pin.path() != DVec2::ZERO).count();
+    let most = MAX_DISPLACEMENT_RATIO[usize::from(pins.len() > 1 && moving > 0)] * longest;
+    let steepest = STEEPNESS_LIMIT[0] * steepness(0.0) + STEEPNESS_LIMIT[1];
     let is_good = |part: f64| {
-        part * swell + left(part).fold(0.0, f64::max) <= most && steepness(part) <= steepest && part * press <= PRESS
+        part * displacement + left(part).fold(0.0, f64::max) <= most
+            && steepness(part) <= steepest
+            && part * compression <= MAX_COMPRESSION
     };
     if is_good(1.0) {
         return 1.0;
@@ -198,18 +208,18 @@ fn share(
 
 /// Returns the greatest displacement by the lattice part, and its greatest compression: the greatest −λ of the
 /// symmetric part of its gradient. Below 1 the map is one-to-one on the frame, which is convex.
-fn looks(full: &ExtrapolatedLattice, ramp: &Ramp, lattice: &ScreenLattice) -> [f64; 2] {
+fn max_displacement_and_compression(full: &ExtrapolatedLattice, ramp: &Ramp, lattice: &ScreenLattice) -> [f64; 2] {
     let grid = &lattice.grid;
     let places = |axis: usize| {
-        let (many, [least, most]) = LOOKS;
-        let count = (many * grid.basis.spans(grid.dims[axis])).clamp(least, most);
+        let [least, most] = SAMPLES_PER_AXIS;
+        let count = (SAMPLES_PER_SPAN * grid.basis.spans(grid.dims[axis])).clamp(least, most);
         let even = (0..=count).map(|k| grid.lo[axis] + grid.size(axis) * k as f64 / count as f64);
         let mut places: Vec<f64> = even.chain(ramp.places(axis)).collect();
         places.sort_by(f64::total_cmp);
         places
     };
     let (columns, rows) = (places(0), places(1));
-    let look = |&y: &f64| {
+    let of_row = |&y: &f64| {
         let along = columns.iter().map(|&x| {
             let (moved, slope) = full.displace(DVec2::new(x, y));
             let (a, d) = (slope.x_axis.x, slope.y_axis.y);
@@ -218,7 +228,7 @@ fn looks(full: &ExtrapolatedLattice, ramp: &Ramp, lattice: &ScreenLattice) -> [f
         });
         along.fold([0.0, 0.0], greater)
     };
-    rows.par_iter().map(look).reduce(|| [0.0, 0.0], greater)
+    rows.par_iter().map(of_row).reduce(|| [0.0, 0.0], greater)
 }
 
 fn greater(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
@@ -228,14 +238,15 @@ fn greater(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 /// Returns the pins at which the flow moves the border, and how far.
 fn given_way(flow: &Flow, flow_pins: &[FlowPin], bounds: ScreenBox) -> Vec<(usize, f64)> {
     let mut found: Vec<(usize, f64)> = Vec::new();
-    let free =
-        || flow_pins.iter().enumerate().filter(|(_, flow_pin)| flow_pin.give > 0.0 && flow_pin.from != flow_pin.to);
+    let free = || {
+        flow_pins.iter().enumerate().filter(|(_, flow_pin)| flow_pin.border_slack > 0.0 && flow_pin.from != flow_pin.to)
+    };
     if free().next().is_none() {
         return found;
     }
     let (lo, hi) = (bounds.min.0, bounds.max.0);
-    let border = (0..=BORDER_LOOKS).flat_map(|k| {
-        let place = lo.lerp(hi, k as f64 / BORDER_LOOKS as f64);
+    let border = (0..=BORDER_SAMPLES).flat_map(|k| {
+        let place = lo.lerp(hi, k as f64 / BORDER_SAMPLES as f64);
         [DVec2::new(place.x, lo.y), DVec2::new(place.x, hi.y), DVec2::new(lo.x, place.y), DVec2::new(hi.x, place.y)]
     });
     for point in border {

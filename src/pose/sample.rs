@@ -85,7 +85,7 @@ struct Segment {
     /// The key at or before the time; the first key if the time is before all keys.
     key: usize,
     /// Fraction of the way to the next key, 0..1; 0 if the value holds.
-    share: f64,
+    t: f64,
     /// Seconds between the two keys.
     span: f64,
 }
@@ -93,7 +93,7 @@ struct Segment {
 impl Segment {
     fn at(times: &[f32], seconds: f64) -> Self {
         let after = times.partition_point(|time| f64::from(*time) <= seconds);
-        let hold = |key| Self { key, share: 0.0, span: 0.0 };
+        let hold = |key| Self { key, t: 0.0, span: 0.0 };
         if after == 0 {
             return hold(0);
         }
@@ -101,7 +101,7 @@ impl Segment {
             return hold(after - 1);
         }
         let (from, to) = (f64::from(times[after - 1]), f64::from(times[after]));
-        Self { key: after - 1, share: (seconds - from) / (to - from), span: to - from }
+        Self { key: after - 1, t: (seconds - from) / (to - from), span: to - from }
     }
 }
 
@@ -110,7 +110,7 @@ fn blend<T>(segment: &Segment, how: Interpolation, value: impl Fn(usize) -> T, m
 where
     T: std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
 {
-    let Segment { key, share: t, span } = *segment;
+    let Segment { key, t, span } = *segment;
     match how {
         Interpolation::Step => value(key),
         Interpolation::Linear if t > 0.0 => mix(value(key), value(key + 1), t),

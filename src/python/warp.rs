@@ -61,14 +61,14 @@ pub(super) fn warp<'py>(
 }
 
 /// The source of the displacement.
-enum Mover {
+enum DisplacementSource {
     Pins(Vec<Pin>, Units),
     Lattice(ScreenLattice),
 }
 
 /// The parsed arguments.
 struct Task {
-    mover: Mover,
+    source: DisplacementSource,
     controls: Controls,
     settings: WarpSettings,
     moved: Moved,
@@ -77,9 +77,9 @@ struct Task {
 impl Task {
     fn of(given: Option<&Bound<'_, PyAny>>, options: &mut Options<'_, '_>) -> PyResult<Self> {
         let units = Units::of_name(&options.take::<String>("units")?.unwrap_or_else(|| "screen".into()))?;
-        let mover = match (given, options.take::<Lattice>("lattice")?) {
-            (Some(given), None) => Mover::Pins(pins(given)?, units),
-            (None, Some(Lattice(Handles::Screen(lattice)))) => Mover::Lattice(lattice),
+        let source = match (given, options.take::<Lattice>("lattice")?) {
+            (Some(given), None) => DisplacementSource::Pins(pins(given)?, units),
+            (None, Some(Lattice(Handles::Screen(lattice)))) => DisplacementSource::Lattice(lattice),
             (None, Some(_)) => {
                 let hint = "pictures are warped by lattices of the screen";
                 return Err(Failure::argument("lattice", "lies in the scene", hint).into());
@@ -104,7 +104,7 @@ impl Task {
         // Numbered channels are treated as colour.
         let semantics = vec![("channel*".to_owned(), Semantic::Color)];
         let settings = WarpSettings { filter, semantics, ..WarpSettings::default() };
-        Ok(Self { mover, controls: controls(options, moved)?, settings, moved })
+        Ok(Self { source, controls: controls(options, moved)?, settings, moved })
     }
 
     fn run(&self, plate: &Plate, watch: &Watch) -> Result<Plate, Failure> {
@@ -121,9 +121,9 @@ impl Task {
 
     /// Returns the displacement field of the picture.
     fn field(&self, plate: &Plate, watch: &Watch) -> Result<Field, Failure> {
-        let (pins, units) = match &self.mover {
-            Mover::Pins(pins, units) => (pins, *units),
-            Mover::Lattice(lattice) => {
+        let (pins, units) = match &self.source {
+            DisplacementSource::Pins(pins, units) => (pins, *units),
+            DisplacementSource::Lattice(lattice) => {
                 let lattice = lattice.with_strength(self.controls.strength);
                 return Ok(match self.moved {
                     Moved::Picture => Field::of_picture(lattice),

@@ -4,6 +4,7 @@
 
 use super::outline::{Triangulated, cut_along};
 use super::{Camera, Lens, Material, Mesh, Node, Placement, Primitive, Scene};
+use crate::space::uv_from_screen;
 use glam::{Quat, Vec2, Vec3};
 
 /// Name of the only card of [`frame_card`].
@@ -71,7 +72,7 @@ pub(super) fn rectangle(aspect: f64, [low, high]: [[f64; 2]; 2]) -> Primitive {
 
 /// Returns screen-space triangles, counter-clockwise, with UVs that map a picture of the whole frame onto the frame.
 pub(super) fn card(points: &[[f64; 2]], triangles: Vec<[u32; 3]>, aspect: f64) -> Primitive {
-    let uv = |&[x, y]: &[f64; 2]| Vec2::new((x / aspect) as f32, (1.0 - y) as f32);
+    let uv = |&point: &[f64; 2]| Vec2::from(uv_from_screen(point, aspect).map(|x| x as f32));
     Primitive {
         positions: points.iter().map(|&[x, y]| Vec3::new(x as f32, y as f32, 0.0)).collect(),
         normals: vec![Vec3::Z; points.len()],

@@ -10,7 +10,7 @@ use crate::spelling::{self, pluralised};
 #[non_exhaustive]
 pub enum FindError {
     /// The scene has no camera; the caller may frame it automatically.
-    #[error("the scene has no camera")]
+    #[error("the scene has no camera; add one to it, or place one with `camera` in the shot")]
     NoCamera,
     /// No camera of that name.
     #[error("the scene has no camera \"{name}\"; {hint}")]

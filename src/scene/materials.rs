@@ -72,14 +72,20 @@ fn read_slots(
         }
         Ok(Some(slot))
     };
+    let normal = material.normal_texture.as_ref().map(|info| {
+        data_slot(info.index.value(), info.tex_coord, info.extensions.as_ref().map(|extensions| &extensions.others))
+    });
+    let occlusion = material.occlusion_texture.as_ref().map(|info| {
+        data_slot(info.index.value(), info.tex_coord, info.extensions.as_ref().map(|extensions| &extensions.others))
+    });
     Ok(Slots {
         base_color: take(pbr.base_color_texture.as_ref().map(|info| slot(info, true)), "base colour")?,
         metallic_roughness: take(
             pbr.metallic_roughness_texture.as_ref().map(|info| slot(info, false)),
             "metallic-roughness",
         )?,
-        normal: take(material.normal_texture.as_ref().map(normal_slot), "normal")?,
-        occlusion: take(material.occlusion_texture.as_ref().map(occlusion_slot), "occlusion")?,
+        normal: take(normal, "normal")?,
+        occlusion: take(occlusion, "occlusion")?,
         emissive: take(material.emissive_texture.as_ref().map(|info| slot(info, true)), "emissive")?,
     })
 }
@@ -89,19 +95,10 @@ fn slot(info: &Info, is_srgb: bool) -> Slot {
     build_slot(Use { texture: info.index.value(), is_srgb }, info.tex_coord, transform)
 }
 
-fn normal_slot(info: &json::material::NormalTexture) -> Slot {
-    let transform = info.extensions.as_ref().and_then(|extensions| foreign_transform(&extensions.others));
-    build_slot(Use { texture: info.index.value(), is_srgb: false }, info.tex_coord, transform)
-}
-
-fn occlusion_slot(info: &json::material::OcclusionTexture) -> Slot {
-    let transform = info.extensions.as_ref().and_then(|extensions| foreign_transform(&extensions.others));
-    build_slot(Use { texture: info.index.value(), is_srgb: false }, info.tex_coord, transform)
-}
-
-/// The crate types the transform of plain slots only; elsewhere it remains JSON.
-fn foreign_transform(others: &serde_json::Map<String, json::Value>) -> Option<TextureTransform> {
-    serde_json::from_value(others.get(TRANSFORM)?.clone()).ok()
+/// Returns the slot of a normal or occlusion texture. The crate types the transform of other slots only; here it remains JSON.
+fn data_slot(texture: usize, tex_coord: u32, extensions: Option<&serde_json::Map<String, json::Value>>) -> Slot {
+    let transform = extensions.and_then(|others| serde_json::from_value(others.get(TRANSFORM)?.clone()).ok());
+    build_slot(Use { texture, is_srgb: false }, tex_coord, transform)
 }
 
 fn build_slot(one: Use, tex_coord: u32, transform: Option<TextureTransform>) -> Slot {

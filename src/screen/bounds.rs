@@ -108,7 +108,7 @@ impl<'a> PartCorners<'a> {
         });
         ScreenBox::around(cut.flat_map(|ends| {
             let (cut, count) = clip_near(ends, near);
-            let place = move |corner: Corner| along_axes(ends[corner.from].lerp(ends[corner.to], corner.share).point());
+            let place = move |corner: Corner| along_axes(ends[corner.from].lerp(ends[corner.to], corner.t).point());
             cut.into_iter().take(count).flatten().map(place)
         }))
     }
@@ -146,7 +146,7 @@ mod tests {
         let corners = triangles.iter().flat_map(|corners| {
             let ends = corners.map(|corner| vertices[corner as usize]);
             let (cut, count) = clip_near(ends, 0.1);
-            let place = move |corner: Corner| turned(ends[corner.from].lerp(ends[corner.to], corner.share).point());
+            let place = move |corner: Corner| turned(ends[corner.from].lerp(ends[corner.to], corner.t).point());
             cut.into_iter().take(count).flatten().map(place)
         });
         let corner_bounds = ScreenBox::around(corners);

@@ -12,7 +12,7 @@ pub(crate) struct Corner {
     /// 0, 1 or 2; equal to `from` for a corner that was kept.
     pub(crate) to: usize,
     /// Fraction of the way from `from` to `to`, 0 for a kept corner.
-    pub(crate) share: f64,
+    pub(crate) t: f64,
 }
 
 impl Corner {
@@ -20,8 +20,8 @@ impl Corner {
     #[must_use]
     pub(crate) fn barycentric(self) -> [f64; 3] {
         let mut weights = [0.0; 3];
-        weights[self.from] += 1.0 - self.share;
-        weights[self.to] += self.share;
+        weights[self.from] += 1.0 - self.t;
+        weights[self.to] += self.t;
         weights
     }
 }
@@ -34,12 +34,12 @@ impl Corner {
 #[must_use]
 pub(crate) fn clip_near(corners: [Projected; 3], near: f64) -> ([[Corner; 3]; 2], usize) {
     let is_kept = corners.map(|corner| corner.depth >= near && corner.w > 0.0);
-    let kept = |corner: usize| Corner { from: corner, to: corner, share: 0.0 };
+    let kept = |corner: usize| Corner { from: corner, to: corner, t: 0.0 };
     let whole = [kept(0), kept(1), kept(2)];
     // Always interpolated from the visible end to the hidden one, whatever the winding.
     let cut = |seen: usize, hidden: usize| {
         let (a, b) = (corners[seen].depth, corners[hidden].depth);
-        Corner { from: seen, to: hidden, share: ((near - a) / (b - a)).clamp(0.0, 1.0) }
+        Corner { from: seen, to: hidden, t: ((near - a) / (b - a)).clamp(0.0, 1.0) }
     };
     let next = |corner: usize| (corner + 1) % 3;
     if corners.iter().any(|corner| !(corner.h.is_finite() && corner.depth.is_finite())) {
@@ -92,13 +92,13 @@ mod tests {
     #[test]
     fn neighbours_cut_their_shared_edge_at_the_same_point() {
         let (seen, hidden) = (at(0.3, 0.1, 2.0), at(1.0, 0.0, -3.0));
-        let share_of_cut = |corners: [Projected; 3], from: usize, to: usize| {
+        let t_of_cut = |corners: [Projected; 3], from: usize, to: usize| {
             let (triangles, count) = clip_near(corners, 0.1);
             let on_edge = |corner: &&Corner| corner.from == from && corner.to == to;
-            triangles[..count].iter().flatten().find(on_edge).map(|corner| corner.share)
+            triangles[..count].iter().flatten().find(on_edge).map(|corner| corner.t)
         };
-        let one = share_of_cut([seen, hidden, at(0.0, 5.0, 1.0)], 0, 1);
-        let other = share_of_cut([hidden, seen, at(0.0, -5.0, -1.0)], 1, 0);
+        let one = t_of_cut([seen, hidden, at(0.0, 5.0, 1.0)], 0, 1);
+        let other = t_of_cut([hidden, seen, at(0.0, -5.0, -1.0)], 1, 0);
         assert!(one.is_some());
         assert_eq!(one, other);
     }

@@ -55,7 +55,7 @@ fn nearest(hits: impl Iterator<Item = Hit>) -> Option<Hit> {
 fn hit_triangle(corners: [Projected; 3], near: f64, at: ScreenPoint) -> Option<([f64; 3], f64)> {
     let (cut, count) = clip_near(corners, near);
     cut[..count].iter().find_map(|cut| {
-        let ends = cut.map(|corner| corners[corner.from].lerp(corners[corner.to], corner.share));
+        let ends = cut.map(|corner| corners[corner.from].lerp(corners[corner.to], corner.t));
         let on_screen = screen_barycentric(ends.map(|end| end.point().0), at.0)?;
         // Dividing screen weights by w gives scene weights (perspective-correct interpolation).
         let over_w: [f64; 3] = std::array::from_fn(|i| on_screen[i] / ends[i].w);

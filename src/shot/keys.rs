@@ -28,7 +28,7 @@ impl Shot {
     #[must_use]
     pub fn pin_targets(&self, layer: usize, frame: f64) -> PinTargets {
         let Some(layer) = self.layers.get(layer) else { return PinTargets::default() };
-        targets_at(layer, &spoken_of(layer), held_frame(&self.frames, layer.step, frame))
+        targets_at(layer, &KeyedChannels::of_layer(layer), held_frame(&self.frames, layer.step, frame))
     }
 
     /// Returns the drawing that layer `layer` shows at a (fractional) frame: the number of the frame whose keys are
@@ -86,28 +86,29 @@ impl Layer {
         times.push(held);
         times.sort_by(f64::total_cmp);
         times.dedup();
-        let spoken = spoken_of(self);
+        let channels = KeyedChannels::of_layer(self);
         let mut path = Vec::new();
         for ends in times.windows(2) {
-            let count = path_steps(self, &spoken, [ends[0], ends[1]]);
+            let count = path_steps(self, &channels, [ends[0], ends[1]]);
             let time = |step: usize| ends[0] + (ends[1] - ends[0]) * step as f64 / count as f64;
-            path.extend((0..count).map(|step| targets_at(self, &spoken, time(step))));
+            path.extend((0..count).map(|step| targets_at(self, &channels, time(step))));
         }
-        path.push(targets_at(self, &spoken, held));
+        path.push(targets_at(self, &channels, held));
         path
     }
 }
 
 /// Returns the number of path points between two key times. Within one frame pins move almost straight, and on straight
 /// paths no pair of them rotates by half a turn: baked keys, one per frame, need no points in between.
-fn path_steps(layer: &Layer, spoken: &[Spoken], [from, to]: [f64; 2]) -> usize {
-    let angle = |(pin, spoken): (&Pin, &Spoken), time| match pin_at(pin, *spoken, time, layer.strength).rotation {
-        Some(Rotation::InView(angle)) => angle,
-        // In world space nothing accumulates turns.
-        Some(Rotation::Axes(_)) | None => 0.0,
-    };
+fn path_steps(layer: &Layer, channels: &[KeyedChannels], [from, to]: [f64; 2]) -> usize {
+    let angle =
+        |(pin, channels): (&Pin, &KeyedChannels), time| match pin_at(pin, *channels, time, layer.strength).rotation {
+            Some(Rotation::InView(angle)) => angle,
+            // In world space nothing accumulates turns.
+            Some(Rotation::Axes(_)) | None => 0.0,
+        };
     let winding =
-        layer.pins.iter().zip(spoken).filter(|(_, spoken)| matches!(spoken.rotation, Some(Rotation::InView(_))));
+        layer.pins.iter().zip(channels).filter(|(_, channels)| matches!(channels.rotation, Some(Rotation::InView(_))));
     let turns = winding.map(|pin| (angle(pin, to) - angle(pin, from)).abs());
     let most = turns.fold(0.0, f64::max);
     (to - from).clamp(1.0, PATH_STEPS).max(most / PATH_TURN).ceil() as usize
@@ -116,22 +117,25 @@ fn path_steps(layer: &Layer, spoken: &[Spoken], [from, to]: [f64; 2]) -> usize {
 /// The channels that a pin's keys use. Rotation and scale are constrained as soon as one key sets them; a key without
 /// them means 0 and 1.
 #[derive(Clone, Copy)]
-struct Spoken {
+struct KeyedChannels {
     /// The first rotation set; its kind is that of all keys.
     rotation: Option<Rotation>,
     is_scaled: bool,
 }
 
-/// Determines the channels of every pin. It scans all keys, which may be many, so it is called once per path.
-fn spoken_of(layer: &Layer) -> Vec<Spoken> {
-    layer.pins.iter().map(spoken).collect()
-}
+impl KeyedChannels {
+    /// Determines the channels of a pin. It scans all keys, which may be many.
+    fn of(pin: &Pin) -> Self {
+        let own_rotation = pin.rotate_keys.first().map(|key| key.value);
+        Self {
+            rotation: own_rotation.or_else(|| pin.keys.iter().find_map(|key| key.rotate_degrees)),
+            is_scaled: !pin.scale_keys.is_empty() || pin.keys.iter().any(|key| key.scale.is_some()),
+        }
+    }
 
-fn spoken(pin: &Pin) -> Spoken {
-    let own_rotation = pin.rotate_keys.first().map(|key| key.value);
-    Spoken {
-        rotation: own_rotation.or_else(|| pin.keys.iter().find_map(|key| key.rotate_degrees)),
-        is_scaled: !pin.scale_keys.is_empty() || pin.keys.iter().any(|key| key.scale.is_some()),
+    /// Determines the channels of every pin; called once per path.
+    fn of_layer(layer: &Layer) -> Vec<Self> {
+        layer.pins.iter().map(Self::of).collect()
     }
 }
 
@@ -153,7 +157,7 @@ impl Pin {
     /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
     #[must_use]
     pub(crate) fn keyed_target(&self, frame: f64) -> PinTarget {
-        pin_at(self, spoken(self), frame, 1.0)
+        pin_at(self, KeyedChannels::of(self), frame, 1.0)
     }
 }
 
@@ -167,10 +171,10 @@ impl HandleTrack {
 }
 
 /// Evaluates all keys of a layer at a frame.
-fn targets_at(layer: &Layer, spoken: &[Spoken], frame: f64) -> PinTargets {
-    let pins = layer.pins.iter().zip(spoken);
+fn targets_at(layer: &Layer, channels: &[KeyedChannels], frame: f64) -> PinTargets {
+    let pins = layer.pins.iter().zip(channels);
     PinTargets {
-        pins: pins.map(|(pin, spoken)| pin_at(pin, *spoken, frame, layer.strength)).collect(),
+        pins: pins.map(|(pin, channels)| pin_at(pin, *channels, frame, layer.strength)).collect(),
         handles: layer.handles.iter().map(|handle| handle_at(handle, layer.strength, frame)).collect(),
     }
 }
@@ -184,7 +188,7 @@ fn held_frame(frames: &FrameRange, step: u32, frame: f64) -> f64 {
     first + ((frame - first) / step).floor() * step
 }
 
-fn pin_at(pin: &Pin, spoken: Spoken, frame: f64, strength: f64) -> PinTarget {
+fn pin_at(pin: &Pin, channels: KeyedChannels, frame: f64, strength: f64) -> PinTarget {
     let Some(span) = Span::of(&pin.keys, frame, |key| (key.frame, key.ease)) else {
         return PinTarget { goal: Goal::Offset(ScreenVector::default()), rotation: None, log_scale: None };
     };
@@ -205,14 +209,14 @@ fn pin_at(pin: &Pin, spoken: Spoken, frame: f64, strength: f64) -> PinTarget {
             mix(log_scale(span.from), log_scale(span.to), span.weight)
         }
     };
-    let rotation = spoken.rotation.map(|kind| {
+    let rotation = channels.rotation.map(|kind| {
         let mixed = match Span::of(&pin.rotate_keys, frame, |key| (key.frame, key.ease)) {
             Some(own) => mix_all(angles(Some(own.from.value)), angles(Some(own.to.value)), own.weight),
             None => mix_all(angles(span.from.rotate_degrees), angles(span.to.rotate_degrees), span.weight),
         };
         radians(kind, mixed, strength)
     });
-    PinTarget { goal, rotation, log_scale: spoken.is_scaled.then_some(log_scale * strength) }
+    PinTarget { goal, rotation, log_scale: channels.is_scaled.then_some(log_scale * strength) }
 }
 
 /// Returns the angles of a rotation, of which one in the view has only the first.

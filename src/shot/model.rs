@@ -168,6 +168,11 @@ pub struct Shutter {
     pub phase: f64,
 }
 
+impl Shutter {
+    /// No motion blur.
+    pub(crate) const CLOSED: Self = Self { angle: 0.0, phase: 0.0 };
+}
+
 /// Scene nodes deformed by one lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {

@@ -6,8 +6,9 @@
 
 use super::cancel::{Cancel, WorkMeter};
 use super::linalg::normal_matrix::index_extent;
-use super::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use super::linalg::simd::{LANES, Lanes, load, multiply_add, store};
 use crate::lattice::Grid;
+use crate::simd::dispatch;
 use pulp::{Simd, WithSimd};
 
 /// Memory is reserved exactly for blocks with more handles than this, because they make up most of their matrix.

@@ -45,11 +45,11 @@ impl<const D: usize> System<D> {
             ..self.settings().clone()
         };
         let mut last: Option<MinimizationResult<D>> = None;
-        for (index, Targets { pins, handles }) in path.iter().enumerate() {
+        for (index, targets) in path.iter().enumerate() {
             cancel.check()?;
             let settings = if index + 1 < path.len() { &coarse } else { self.settings() };
-            let to = self.retargeted(pins, handles, cancel)?;
-            let minimization = self.minimization(&self.targets((pins, handles), &to), cancel);
+            let to = self.retargeted(targets, cancel)?;
+            let minimization = self.minimization(&self.targets(targets, &to), cancel);
             let initial = last.as_ref().map(|state| &state.handles[..]);
             let result = Minimization { initial, settings, ..minimization }.run(None)?;
             let iterations = result.iterations + last.as_ref().map_or(0, |state| state.iterations);

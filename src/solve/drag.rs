@@ -61,6 +61,16 @@ pub struct Drag<'a, const D: usize> {
     cancel: Option<&'a Cancel<'a>>,
 }
 
+/// What a move may cost at most.
+struct MoveLimits {
+    /// Number of steps where Newton's method is available.
+    newton_steps: usize,
+    /// Number of steps where it is not.
+    local_global_steps: usize,
+    /// Number of new factorisations.
+    factorizations: usize,
+}
+
 impl<const D: usize> Solver<D> {
     /// Starts a drag from a plain lattice, usually that of the last solution.
     ///
@@ -127,10 +137,10 @@ impl<const D: usize> Drag<'_, D> {
     pub fn follow(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Lattice<D>, SolveError> {
         let settings = Settings { tolerance: TOLERANCE, ..self.solver.system().settings().clone() };
         // At most one factorisation per move, at its start, so that all moves take about the same time.
-        let factors = usize::from(!self.factor.is_some());
+        let factorizations = usize::from(!self.factor.is_some());
+        let limits = MoveLimits { newton_steps: STEPS, local_global_steps: LOCAL_GLOBAL_STEPS, factorizations };
         let box_rotation = self.solver.box_rotation();
-        let (pins, handles) = (box_rotation.upright().pins(pins), box_rotation.upright().handles(handles));
-        self.run(&pins, &handles, (&settings, [STEPS, LOCAL_GLOBAL_STEPS], factors))?;
+        self.run(&box_rotation.upright().targets(pins, handles), &settings, limits)?;
         Ok(match self.branches() {
             Some(branches) => branches.lattice(0),
             None => {
@@ -156,10 +166,11 @@ impl<const D: usize> Drag<'_, D> {
     /// Those of [`Solver::update`].
     pub fn settle(&mut self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         let box_rotation = self.solver.box_rotation();
-        let upright = (box_rotation.upright().pins(pins), box_rotation.upright().handles(handles));
+        let goal = box_rotation.upright().targets(pins, handles);
         let settings = self.solver.system().settings().clone();
-        let limit = settings.iteration_limit;
-        let mut run = self.run(&upright.0, &upright.1, (&settings, [limit; 2], usize::MAX))?;
+        let steps = settings.iteration_limit;
+        let limits = MoveLimits { newton_steps: steps, local_global_steps: steps, factorizations: usize::MAX };
+        let mut run = self.run(&goal, &settings, limits)?;
         let unchecked = UNCHECKED * self.solver.system().grid().diagonal();
         if run.is_converged && self.checked.as_ref().is_none_or(|at| largest_step(at, &run.handles) > unchecked) {
             let is_near = |at: &&[[f64; D]]| largest_step(at, &run.handles) <= unchecked;
@@ -168,18 +179,13 @@ impl<const D: usize> Drag<'_, D> {
                 self.checked = Some(at.to_vec());
                 run.is_minimum = Some(true);
             } else {
-                run = self.solver.system().leave_saddle(
-                    run,
-                    (&upright.0, &upright.1),
-                    self.cancel.unwrap_or(&Cancel::never()),
-                )?;
+                run = self.solver.system().leave_saddle(run, &goal, self.cancel.unwrap_or(&Cancel::never()))?;
                 self.handles.clone_from(&run.handles);
                 self.checked = Some(run.handles.clone());
             }
         }
         let is_held = pins.iter().any(|pin| pin.weight > 0.0) || !handles.is_empty();
         if is_held {
-            let goal = Targets { pins: upright.0.into_owned(), handles: upright.1.into_owned() };
             return Ok(box_rotation.solution(self.solver.system().finish(&goal, run)));
         }
         let never = Cancel::never();
@@ -189,29 +195,30 @@ impl<const D: usize> Drag<'_, D> {
         Ok(solution)
     }
 
-    /// Takes one move. `limits` are the maximum numbers of steps with and without Newton's method; `factors` is the maximum
-    /// number of new factorisations.
+    /// Takes one move.
     fn run(
         &mut self,
-        pins: &[PointPin<D>],
-        handles: &[HandlePin<D>],
-        (settings, limits, factors): (&Settings, [usize; 2], usize),
+        targets: &Targets<D>,
+        settings: &Settings,
+        limits: MoveLimits,
     ) -> Result<MinimizationResult<D>, SolveError> {
         let (system, never) = (self.solver.system(), Cancel::never());
         let cancel = self.cancel.unwrap_or(&never);
-        let to = system.retargeted(pins, handles, cancel)?;
-        let minimization = system.minimization(&system.targets((pins, handles), &to), cancel);
+        let to = system.retargeted(targets, cancel)?;
+        let minimization = system.minimization(&system.targets(targets, &to), cancel);
         let has_newton = minimization.has_newton();
-        let settings = Settings { iteration_limit: limits[usize::from(!has_newton)], ..settings.clone() };
-        let final_phase = if factors > 1 { FinalPhase::Newton } else { FinalPhase::LocalGlobal };
+        let iteration_limit = if has_newton { limits.newton_steps } else { limits.local_global_steps };
+        let settings = Settings { iteration_limit, ..settings.clone() };
+        let has_factorizations = limits.factorizations > 1;
+        let final_phase = if has_factorizations { FinalPhase::Newton } else { FinalPhase::LocalGlobal };
         let minimization =
             Minimization { initial: Some(&self.handles), settings: &settings, final_phase, ..minimization };
         let mut run = if has_newton {
-            minimization.newton_from(self.handles.clone(), &mut self.factor, factors)?
+            minimization.newton_from(self.handles.clone(), &mut self.factor, limits.factorizations)?
         } else {
             minimization.run(None)?
         };
-        if factors > 1 && settings.acceleration > 0 {
+        if has_factorizations && settings.acceleration > 0 {
             run.energy = Some(minimization.energy(&run.handles));
         }
         self.handles.clone_from(&run.handles);

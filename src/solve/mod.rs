@@ -16,6 +16,7 @@ mod counting_sort;
 mod drag;
 mod energy;
 mod error;
+mod factor_reuse;
 mod folds_on_polygons;
 mod least_squares;
 mod linalg;
@@ -57,7 +58,7 @@ mod yielding_rows;
 #[cfg(test)]
 pub(crate) use active_cells::active_cells;
 pub(crate) use branching::nearest_barycentric;
-pub(crate) use linalg::small_matrix::symmetric_eigen;
+pub(crate) use linalg::small_matrix::{distance, symmetric_eigen};
 pub(crate) use model_folds::ModelCells;
 
 pub(crate) use branching::Bending;

@@ -4,10 +4,10 @@
 //! Anderson acceleration, while that costs less than a new one. Where a step would raise the energy, convexified matrices and
 //! finally the local-global step are tried.
 
-use super::anderson::Anderson;
 use super::cached_factor::CachedFactor;
 use super::cancel::Cancelled;
 use super::energy::RotationHessian;
+use super::factor_reuse::{CONVEXITY_LIMITS, FactorReuse, steps_left};
 use super::linalg::factorization::Factorization;
 use super::minimization::FinalPhase;
 use super::minimization::{Minimization, MinimizationResult, SAFEGUARD, largest_step};
@@ -22,15 +22,6 @@ const SPAN: usize = 5;
 /// Newton's method takes over when a local-global step is at most this long, in box diagonals.
 const NEAR: f64 = 3e-3;
 
-/// Window of the Anderson acceleration of steps with a reused factorisation.
-const ANDERSON_WINDOW: usize = 5;
-
-/// Number of steps that a new factorisation is expected to need.
-const STEPS_PER_FACTOR: f64 = 2.0;
-
-/// A step below the tolerance is the last one if the next would be below this fraction of the tolerance.
-const CERTAIN: f64 = 0.1;
-
 /// A factorisation whose last step exceeds this many tolerances is not reused for the next move.
 const STALE: f64 = 3.0;
 
@@ -38,11 +29,6 @@ const STALE: f64 = 3.0;
 /// first step from the rigid fit only has to be below the tolerance, because where all pins move rigidly, weakly constrained
 /// parts do so too.
 const AT_REST: f64 = 1e-10;
-
-/// Upper limits of 1/(s1 + s2), tried in this order: the true second derivative, one without its largest negative contributions,
-/// and one without any (B. Smith et al., "Analytic Eigensystems for Isotropic Distortion Energies", 2019). Beyond the last limit
-/// the plain local-global step is taken, which never raises the energy.
-const CONVEXITY_LIMITS: [f64; 3] = [f64::INFINITY, 0.75, 0.5];
 
 /// Step lengths that are tried where the full step would raise the energy; trying them costs no solve.
 const STEP_LENGTHS: [f64; 3] = [0.5, 0.25, 0.0625];
@@ -93,11 +79,6 @@ impl NewtonSwitch {
         let count = self.steps.len();
         (self.steps[count - 1] / self.steps[count - 1 - SPAN]).powf(1.0 / SPAN as f64)
     }
-}
-
-/// Number of steps until `left` has shrunk to 1 at the given rate.
-pub(crate) fn steps_left(left: f64, rate: f64) -> f64 {
-    if rate < 1.0 { -left.ln() / rate.ln() } else { f64::INFINITY }
 }
 
 impl<const D: usize> Minimization<'_, D> {
@@ -208,16 +189,10 @@ struct Descent<'a, const D: usize> {
     constant: Vec<[f64; D]>,
     iterate: NewtonIterate<D>,
     cached: CachedFactor,
-    /// Whether the factorisation was computed at the iterate from which the first of `steps` started.
-    is_fresh: bool,
     /// Number of new factorisations that are still allowed.
     factors_left: usize,
-    /// Cost of a new factorisation, in steps with a reused one.
-    factor_cost: f64,
-    anderson: Anderson,
-    /// Lengths of the steps with this factorisation.
-    steps: Vec<f64>,
-    /// Index into [`CONVEXITY_LIMITS`].
+    reuse: FactorReuse,
+    /// Index into [`CONVEXITY_LIMITS`]. Beyond the last the plain local-global step is taken, which never raises the energy.
     level: usize,
 }
 
@@ -230,11 +205,8 @@ impl<'a, const D: usize> Descent<'a, D> {
             constant,
             iterate,
             cached,
-            is_fresh: false,
             factors_left: usize::MAX,
-            factor_cost: problem.factor_cost(),
-            anderson: Anderson::new(ANDERSON_WINDOW),
-            steps: Vec::new(),
+            reuse: FactorReuse::new(problem.factor_cost()),
             level: 0,
         })
     }
@@ -251,8 +223,8 @@ impl<'a, const D: usize> Descent<'a, D> {
             None => problem.factor.solve(&mut by),
         }
         let plain = self.ahead(&by, 1.0);
-        self.steps.push(largest_step(&self.iterate.handles, &plain));
-        if self.is_last() {
+        self.reuse.record(largest_step(&self.iterate.handles, &plain));
+        if self.reuse.is_done(self.tolerance()) {
             self.iterate.handles = plain;
             return Ok(StepOutcome::Converged);
         }
@@ -260,47 +232,38 @@ impl<'a, const D: usize> Descent<'a, D> {
         Ok(self.accept_or_reject(next))
     }
 
-    /// Whether the step was below the tolerance and little distance remains, also along flat directions.
-    fn is_last(&self) -> bool {
-        let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
-        let step = self.steps[self.steps.len() - 1];
-        step <= tolerance && (self.is_fresh && self.steps.len() == 1 || step * self.rate() <= CERTAIN * tolerance)
-    }
-
-    /// Convergence rate with this factorisation.
-    fn rate(&self) -> f64 {
-        let [first, .., last] = self.steps[..] else { return 1.0 };
-        (last / first).powf(1.0 / (self.steps.len() - 1) as f64)
+    fn tolerance(&self) -> f64 {
+        self.problem.settings.tolerance * self.problem.diagonal
     }
 
     /// Returns the accelerated iterate if that does not raise the energy, else the plain one, else one at a shorter step.
     fn line_search(&mut self, plain: Vec<[f64; D]>, by: &[[f64; D]]) -> Result<NewtonIterate<D>, Cancelled> {
         let problem = self.problem;
-        let has_history = self.anderson.has_history();
+        let has_history = self.reuse.anderson.has_history();
         let mut next = plain.clone();
         if self.cached.is_some() {
-            self.anderson.step(&self.iterate.handles, &mut next);
+            self.reuse.anderson.step(&self.iterate.handles, &mut next);
         }
         let mut next = problem.iterate(next, &self.constant)?;
         if has_history && !self.is_lower(&next) {
-            self.anderson.reset();
+            self.reuse.anderson.reset();
             next = problem.iterate(plain, &self.constant)?;
         }
         // The matrix is positive definite, so a short enough step along `by` lowers the energy.
-        for share in STEP_LENGTHS {
+        for step_length in STEP_LENGTHS {
             if self.is_lower(&next) || !self.cached.is_some() {
                 break;
             }
-            self.anderson.reset();
-            next = problem.iterate(self.ahead(by, share), &self.constant)?;
+            self.reuse.anderson.reset();
+            next = problem.iterate(self.ahead(by, step_length), &self.constant)?;
         }
         Ok(next)
     }
 
     /// Returns the handles plus a multiple of `by`.
-    fn ahead(&self, by: &[[f64; D]], share: f64) -> Vec<[f64; D]> {
+    fn ahead(&self, by: &[[f64; D]], step_length: f64) -> Vec<[f64; D]> {
         let next = by.iter().zip(&self.iterate.handles);
-        next.map(|(by, from)| std::array::from_fn(|d| from[d] + share * by[d])).collect()
+        next.map(|(by, from)| std::array::from_fn(|d| from[d] + step_length * by[d])).collect()
     }
 
     fn is_lower(&self, next: &NewtonIterate<D>) -> bool {
@@ -310,7 +273,7 @@ impl<'a, const D: usize> Descent<'a, D> {
     /// Accepts an iterate that does not raise the energy; otherwise drops the factorisation.
     fn accept_or_reject(&mut self, next: NewtonIterate<D>) -> StepOutcome {
         if !self.is_lower(&next) && self.cached.is_some() {
-            self.level += usize::from(self.steps.len() == 1);
+            self.level += usize::from(self.reuse.is_first());
             self.discard_factor();
             return StepOutcome::Rejected;
         }
@@ -322,23 +285,19 @@ impl<'a, const D: usize> Descent<'a, D> {
         StepOutcome::Accepted
     }
 
-    /// Whether the remaining steps would cost more than a new factorisation and the steps that it needs.
+    /// Whether a new factorisation would cost less than the remaining steps.
     fn is_stale(&self) -> bool {
-        let tolerance = self.problem.settings.tolerance.max(AT_REST) * self.problem.diagonal;
-        let step = self.steps[self.steps.len() - 1];
-        self.steps.len() > 1 && steps_left(step / tolerance, self.rate()) > self.factor_cost + STEPS_PER_FACTOR
+        self.reuse.is_stale(self.problem.settings.tolerance.max(AT_REST) * self.problem.diagonal)
     }
 
     /// Whether the last step was well above the tolerance.
     fn is_far(&self) -> bool {
-        let tolerance = self.problem.settings.tolerance * self.problem.diagonal;
-        self.steps.last().is_none_or(|&step| step > STALE * tolerance)
+        self.reuse.last().is_none_or(|step| step > STALE * self.tolerance())
     }
 
     fn discard_factor(&mut self) {
         self.cached.discard_factor();
-        self.anderson.reset();
-        self.steps.clear();
+        self.reuse.clear();
     }
 
     /// Factors the second derivative at the present iterate, and convexifies it until it is positive definite. Leaves no factor
@@ -357,7 +316,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             if limit.is_infinite() && self.cached.is_some() {
                 self.cached.set_convex_state(&self.iterate.handles);
             }
-            self.is_fresh = true;
+            self.reuse.is_fresh = true;
             self.factors_left -= 1;
             self.level += usize::from(!self.cached.is_some());
         }

@@ -7,8 +7,9 @@ use super::constraints::Constraints;
 use super::error::SolveError;
 use super::linalg::factorization::Factorization;
 use super::linalg::normal_matrix::NormalMatrix;
-use super::problem::{HandlePin, PointPin};
+use super::problem::PointPin;
 use super::settings::Settings;
+use super::targets::Targets;
 use super::terms::Terms;
 
 /// A matrix with its factor and constraints.
@@ -45,8 +46,7 @@ pub(crate) struct Retargeted<const D: usize> {
 
 /// Targets, the terms that contain them, and the factored matrix for them.
 pub(crate) struct TargetTerms<'a, const D: usize> {
-    pub(crate) pins: &'a [PointPin<D>],
-    pub(crate) handles: &'a [HandlePin<D>],
+    pub(crate) goal: &'a Targets<D>,
     pub(crate) terms: &'a Terms<D>,
     pub(crate) prefactored: &'a Prefactored,
 }

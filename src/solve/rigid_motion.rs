@@ -5,7 +5,7 @@
 use super::linalg::small_matrix::{
     SquareMatrix, apply, best_rotation, dot, identity, mean_of_best_rotations, minus, symmetric_eigen, times,
 };
-use super::problem::{HandlePin, PointPin};
+use super::targets::Targets;
 use crate::lattice::Grid;
 use crate::smoothstep::smoothstep;
 
@@ -47,19 +47,19 @@ impl<const D: usize> RigidMotion<D> {
     }
 
     /// Returns the motion that best fits pins and moved handles to their targets.
-    pub(crate) fn fit(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
-        Self::with_rotation(grid, (pins, handles), |correlation| best_rotation(&correlation.moved))
+    pub(crate) fn fit(grid: &Grid<D>, targets: &Targets<D>) -> Self {
+        Self::with_rotation(grid, targets, |correlation| best_rotation(&correlation.moved))
     }
 
     /// Same as [`Self::fit`], but continuous in the targets. Where other rotations fit nearly as well as the best, as where half of
     /// the pins are turned by 180 degrees, R is a mean of them, so that images contract to what these have in common.
-    pub(crate) fn fit_continuous(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Self {
-        Self::with_rotation(grid, (pins, handles), Correlation::continuous_rotation)
+    pub(crate) fn fit_continuous(grid: &Grid<D>, targets: &Targets<D>) -> Self {
+        Self::with_rotation(grid, targets, Correlation::continuous_rotation)
     }
 
     fn with_rotation(
         grid: &Grid<D>,
-        targets: (&[PointPin<D>], &[HandlePin<D>]),
+        targets: &Targets<D>,
         rotation: impl Fn(&Correlation<D>) -> SquareMatrix<D>,
     ) -> Self {
         let Some(mut correlation) = Correlation::of(grid, targets) else {
@@ -72,11 +72,11 @@ impl<const D: usize> RigidMotion<D> {
 
 /// How far three or more pins and moved handles in space leave open by how much the shape is rolled about the line on which they lie:
 /// 1 on the line, 0 from [`NEAR_LINE`] on. Two pins do not resist a roll, nor does moving them cause one.
-pub(crate) fn open_roll<const D: usize>(grid: &Grid<D>, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> f64 {
-    if D != 3 || pins.len() + handles.len() < 3 {
+pub(crate) fn open_roll<const D: usize>(grid: &Grid<D>, targets: &Targets<D>) -> f64 {
+    if D != 3 || targets.pins.len() + targets.handles.len() < 3 {
         return 0.0;
     }
-    Correlation::of(grid, (pins, handles)).map_or(0.0, |correlation| correlation.open_roll(&correlation.line()))
+    Correlation::of(grid, targets).map_or(0.0, |correlation| correlation.open_roll(&correlation.line()))
 }
 
 /// Correlation of rest positions and targets, relative to their means.
@@ -103,7 +103,8 @@ struct Correlation<const D: usize> {
 
 impl<const D: usize> Correlation<D> {
     /// The correlation of pins and moved handles; `None` without any of weight.
-    fn of(grid: &Grid<D>, (pins, handles): (&[PointPin<D>], &[HandlePin<D>])) -> Option<Self> {
+    fn of(grid: &Grid<D>, targets: &Targets<D>) -> Option<Self> {
+        let Targets { pins, handles } = targets;
         let moved = handles.iter().map(|handle| (grid.rest_handle(handle.index), handle.target, 1.0));
         let pairs: Vec<_> = pins.iter().map(|pin| (pin.at, pin.target, pin.weight)).chain(moved).collect();
         let total: f64 = pairs.iter().map(|pair| pair.2).sum();
@@ -260,12 +261,14 @@ mod tests {
     use super::*;
     use crate::lattice::Basis;
     use crate::solve::linalg::small_matrix::distance;
+    use crate::solve::problem::PointPin;
 
     /// The fit of pins to targets in a box of size 1.
     fn fit(pins: [([f64; 3], [f64; 3]); 3], is_continuous: bool) -> RigidMotion<3> {
         let grid = Grid { dims: [5; 3], basis: Basis::Bspline, lo: [-0.5; 3], hi: [0.5; 3], angle: 0.0 };
         let pins = pins.map(|(at, target)| PointPin::new(at, target));
-        if is_continuous { RigidMotion::fit_continuous(&grid, &pins, &[]) } else { RigidMotion::fit(&grid, &pins, &[]) }
+        let targets = Targets { pins: pins.to_vec(), handles: Vec::new() };
+        if is_continuous { RigidMotion::fit_continuous(&grid, &targets) } else { RigidMotion::fit(&grid, &targets) }
     }
 
     /// Pins along x, the middle one this far from their line.

@@ -3,8 +3,9 @@
 //! In: the factors of separable weights. Out: rows over all handles. The weights are multiplied out once if all of them fit into
 //! the cache.
 
-use super::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use super::linalg::simd::{LANES, Lanes, load, multiply_add, store};
 use super::linalg::syrk::ROW_PADDING;
+use crate::simd::dispatch;
 use pulp::{Simd, WithSimd};
 
 /// Maximum number of weights that are multiplied out: half a second-level cache.

@@ -3,9 +3,10 @@
 //!
 //! In: points and a grid. Out: products with the handles, and products of the transpose with values at the points.
 
-use super::linalg::simd::{LANES, Lanes, add_multiple, dispatch, load, store};
+use super::linalg::simd::{LANES, Lanes, add_multiple, load, store};
 use super::separable_rows::SeparableRows;
 use crate::lattice::{Grid, bernstein_values};
+use crate::simd::dispatch;
 use pulp::{Simd, WithSimd};
 
 /// Number of packets of four points that are processed together.

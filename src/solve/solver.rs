@@ -157,10 +157,9 @@ impl<const D: usize> CancellableSolver<'_, D> {
     /// Those of [`Solver::update`], and [`SolveError::Cancelled`].
     pub fn update(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Result<Solution<D>, SolveError> {
         let Solver { system, box_rotation } = self.solver;
-        let upright = box_rotation.upright();
-        let (pins, handles) = (&*upright.pins(pins), &*upright.handles(handles));
-        let to = system.retargeted(pins, handles, self.cancel)?;
-        Ok(box_rotation.solution(self.run(&system.targets((pins, handles), &to), None)?))
+        let targets = box_rotation.upright().targets(pins, handles);
+        let to = system.retargeted(&targets, self.cancel)?;
+        Ok(box_rotation.solution(self.run(&system.targets(&targets, &to), None)?))
     }
 
     /// Same as [`Solver::follow`].
@@ -183,16 +182,15 @@ impl<const D: usize> CancellableSolver<'_, D> {
         observe: Option<&mut dyn FnMut(Energies)>,
     ) -> Result<Solution<D>, SolveError> {
         let system = &self.solver.system;
-        let TargetTerms { pins, handles, .. } = *targets;
-        if !pins.iter().any(|pin| pin.weight > 0.0) && handles.is_empty() {
-            return Ok(system.unmoved(pins));
+        let goal = targets.goal;
+        if !goal.pins.iter().any(|pin| pin.weight > 0.0) && goal.handles.is_empty() {
+            return Ok(system.unmoved(goal));
         }
         let result = match system.settings().minima {
             Minima::Least => system.least(targets, observe, self.cancel)?,
             Minima::Nearest => system.minimization(targets, self.cancel).run(observe)?,
         };
         self.cancel.check()?;
-        let goal = Targets { pins: pins.to_vec(), handles: handles.to_vec() };
-        Ok(system.finish(&goal, result))
+        Ok(system.finish(goal, result))
     }
 }

@@ -45,8 +45,8 @@ pub(crate) struct System<const D: usize> {
     /// Matrix and factor for the targets in the problem, if some pins give way for them.
     yielded: Option<Prefactored>,
     scales: Scales,
-    pins: Vec<PointPin<D>>,
-    handles: Vec<HandlePin<D>>,
+    /// The targets in the problem.
+    targets: Targets<D>,
     terms: Terms<D>,
     /// Copies of handles; `None` if every handle is one unknown.
     branching: Option<Arc<Branching<D>>>,
@@ -140,8 +140,9 @@ impl<const D: usize> System<D> {
         let Parts { distortion, pin_rows, branching, warnings, proximal } = parts;
         let (branching, snapped) = branching.map_or_else(Default::default, |(own, snapped)| (Some(own), snapped));
         let (grid, settings) = (problem.grid, problem.settings);
+        let targets = Targets { pins: problem.pins.to_vec(), handles: problem.handles.to_vec() };
         let mut moved = vec![false; grid.handle_count()];
-        problem.handles.iter().for_each(|handle| moved[handle.index] = true);
+        targets.handles.iter().for_each(|handle| moved[handle.index] = true);
         let regularizer = match &branching {
             Some(branching) => RegularizerTerm::Rows(branching.bend(settings.scaling)),
             None => RegularizerTerm::new(settings.regularizer, grid, &moved, settings.scaling),
@@ -149,7 +150,7 @@ impl<const D: usize> System<D> {
         let count = branching.as_ref().map_or(grid.handle_count(), Branching::count);
         let terms = Terms {
             pins: pin_rows,
-            handles: pins::handle_rows(&moved_unknowns(branching.as_ref(), problem.handles)),
+            handles: pins::handle_rows(&moved_unknowns(branching.as_ref(), &targets.handles)),
             regularizer: Arc::new(regularizer),
             proximal,
             yielding: None,
@@ -166,7 +167,7 @@ impl<const D: usize> System<D> {
             scales.tikhonov = TIKHONOV * normal.mean_diagonal();
             if settings.start == Start::RigidFit {
                 let stiffness = scales.shape * distortion.mass() / (count as f64 * grid.diagonal().powi(2));
-                scales.tikhonov += ROLL * stiffness * open_roll(grid, problem.pins, problem.handles);
+                scales.tikhonov += ROLL * stiffness * open_roll(grid, &targets);
             }
             (0..count).for_each(|handle| normal.add(handle, handle, scales.tikhonov));
         }
@@ -189,11 +190,10 @@ impl<const D: usize> System<D> {
             settings: settings.clone(),
             distortion,
             constant,
-            prefactored: Prefactored::new(normal, &terms, problem.pins, settings, cancel)?,
+            prefactored: Prefactored::new(normal, &terms, &targets.pins, settings, cancel)?,
             yielded: None,
             scales,
-            pins: problem.pins.to_vec(),
-            handles: problem.handles.to_vec(),
+            targets,
             terms,
             branching: branching.map(Arc::new),
             snapped,
@@ -208,7 +208,7 @@ impl<const D: usize> System<D> {
 
     /// Lets pins give way for the targets in the problem, where these demand too much.
     fn apply_yielding(&mut self, cancel: &Cancel) -> Result<(), SolveError> {
-        let Retargeted { terms, yielded } = self.yielding((&self.pins, &self.handles), self.terms.clone(), cancel)?;
+        let Retargeted { terms, yielded } = self.yielding(&self.targets, self.terms.clone(), cancel)?;
         (self.terms, self.yielded) = (terms, yielded);
         Ok(())
     }
@@ -216,30 +216,31 @@ impl<const D: usize> System<D> {
     /// Returns the terms in which pins give way where the targets demand too much, and the matrix factored for them.
     fn yielding(
         &self,
-        (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
+        targets: &Targets<D>,
         mut terms: Terms<D>,
         cancel: &Cancel,
     ) -> Result<Retargeted<D>, SolveError> {
         terms.yielding = None;
-        let pairs = self.yielding_pairs(pins, handles);
+        let pairs = self.yielding_pairs(targets);
         if pairs.is_empty() {
             return Ok(Retargeted { terms, yielded: None });
         }
-        terms.yielding = Some(Arc::new(YieldingRows::new(&terms.pins, pins, &pairs, self.scales.pins)));
+        terms.yielding = Some(Arc::new(YieldingRows::new(&terms.pins, &targets.pins, &pairs, self.scales.pins)));
         let normal = self.softened(&self.prefactored.normal, &terms, cancel);
-        let yielded = Prefactored::new(normal, &terms, pins, &self.settings, cancel)?;
+        let yielded = Prefactored::new(normal, &terms, &targets.pins, &self.settings, cancel)?;
         Ok(Retargeted { terms, yielded: Some(yielded) })
     }
 
-    fn yielding_pairs(&self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Vec<YieldingPair> {
+    fn yielding_pairs(&self, targets: &Targets<D>) -> Vec<YieldingPair> {
         // If pins and moved handles outnumber the handles of the grid, least squares spread the residual, and no pair yields.
-        if pins.len() + handles.len() > self.grid.handle_count() {
+        if targets.pins.len() + targets.handles.len() > self.grid.handle_count() {
             return Vec::new();
         }
         let firmness = self.scales.pins / (self.scales.shape * self.distortion.mass());
-        let mut pairs = yielding_pairs(&self.grid, (pins, handles), &self.settings, firmness);
+        let mut pairs = yielding_pairs(&self.grid, targets, &self.settings, firmness);
         if let Some(branching) = &self.branching {
-            pairs.iter_mut().for_each(|pair| pair.compliance *= branching.coupling(pair.pins.map(|pin| &pins[pin])));
+            let pins = |pair: &YieldingPair| pair.pins.map(|pin| &targets.pins[pin]);
+            pairs.iter_mut().for_each(|pair| pair.compliance *= branching.coupling(pins(pair)));
             pairs.retain(|pair| pair.compliance > 0.0);
         }
         pairs
@@ -271,7 +272,7 @@ impl<const D: usize> System<D> {
         let mut normal = self.constant.clone();
         self.terms.proximal.add_normal(scale, &mut normal, cancel);
         self.terms.yielding = None;
-        self.prefactored = Prefactored::new(normal, &self.terms, &self.pins, &self.settings, cancel)?;
+        self.prefactored = Prefactored::new(normal, &self.terms, &self.targets.pins, &self.settings, cancel)?;
         self.apply_yielding(cancel)
     }
 
@@ -373,39 +374,31 @@ impl<const D: usize> System<D> {
     /// The targets in the problem, with their terms.
     pub(crate) fn own_targets(&self) -> TargetTerms<'_, D> {
         let prefactored = self.yielded.as_ref().unwrap_or(&self.prefactored);
-        TargetTerms { pins: &self.pins, handles: &self.handles, terms: &self.terms, prefactored }
+        TargetTerms { goal: &self.targets, terms: &self.terms, prefactored }
     }
 
     /// Combines other targets with their terms and the factored matrix.
-    pub(crate) fn targets<'a>(
-        &'a self,
-        (pins, handles): (&'a [PointPin<D>], &'a [HandlePin<D>]),
-        to: &'a Retargeted<D>,
-    ) -> TargetTerms<'a, D> {
+    pub(crate) fn targets<'a>(&'a self, goal: &'a Targets<D>, to: &'a Retargeted<D>) -> TargetTerms<'a, D> {
         let prefactored = to.yielded.as_ref().unwrap_or(&self.prefactored);
-        TargetTerms { pins, handles, terms: &to.terms, prefactored }
+        TargetTerms { goal, terms: &to.terms, prefactored }
     }
 
     /// Returns the terms for other targets of the same pins and handles.
-    pub(crate) fn retargeted(
-        &self,
-        pins: &[PointPin<D>],
-        handles: &[HandlePin<D>],
-        cancel: &Cancel,
-    ) -> Result<Retargeted<D>, SolveError> {
-        validate::same_pins(&self.pins, pins)?;
-        validate::same_handles(&self.handles, handles)?;
+    pub(crate) fn retargeted(&self, targets: &Targets<D>, cancel: &Cancel) -> Result<Retargeted<D>, SolveError> {
+        let Targets { pins, handles } = targets;
+        validate::same_pins(&self.targets.pins, pins)?;
+        validate::same_handles(&self.targets.handles, handles)?;
         let mut terms = self.terms.clone();
         pins::retarget(&mut terms.pins, &self.grid, &self.held(pins), &self.settings);
         for (row, handle) in moved_unknowns(self.branching.as_deref(), handles).iter().enumerate() {
             terms.handles.set_target(row, handle.target);
         }
-        self.yielding((pins, handles), terms, cancel)
+        self.yielding(targets, terms, cancel)
     }
 
     /// Returns the rigid motion that best fits pins and handles to their targets.
     pub(crate) fn fitted(&self, targets: &TargetTerms<D>) -> RigidMotion<D> {
-        RigidMotion::fit(&self.grid, targets.pins, targets.handles)
+        RigidMotion::fit(&self.grid, targets.goal)
     }
 
     /// Returns the minimisation for the given targets.
@@ -445,11 +438,11 @@ impl<const D: usize> System<D> {
     }
 
     /// Returns the solution of a problem without pins and moved handles: the grid at rest.
-    pub(crate) fn unmoved(&self, pins: &[PointPin<D>]) -> Solution<D> {
+    pub(crate) fn unmoved(&self, goal: &Targets<D>) -> Solution<D> {
         let mut warnings = self.warnings.clone();
         warnings.push("no pins and no moved handles: the lattice stays at rest; add a pin".into());
         let result = MinimizationResult::of(self.rest(), 0, true);
-        self.report(&Targets { pins: pins.to_vec(), handles: Vec::new() }, result, warnings)
+        self.report(goal, result, warnings)
     }
 
     /// Converts the result of a minimisation for `goal` to a solution with its report.
@@ -469,7 +462,9 @@ impl<const D: usize> System<D> {
         }
         if !result.is_converged && self.settings.tolerance > 0.0 {
             let spent = pluralised(result.iterations, "iteration", "iterations");
-            warnings.push(format!("not converged after {spent}; the result may still move"));
+            warnings.push(format!(
+                "not converged after {spent}: the result may still move; move the pins less, or raise the iteration limit"
+            ));
         }
         self.report(goal, result, warnings)
     }
@@ -494,7 +489,7 @@ impl<const D: usize> System<D> {
             pins,
             settings: &self.settings,
             constraints: &self.prefactored.constraints,
-            yielding: &self.yielding_pairs(pins, handles),
+            yielding: &self.yielding_pairs(goal),
             is_held_back: run.has_given_way,
             bounds: [self.grid.lo, self.grid.hi],
             diagonal: self.grid.diagonal(),

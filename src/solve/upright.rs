@@ -65,9 +65,9 @@ impl<'a, const D: usize> Upright<'a, D> {
         handles.iter().map(upright).collect()
     }
 
-    /// The targets.
-    fn targets(self, targets: &Targets<D>) -> Targets<D> {
-        Targets { pins: self.pins(&targets.pins).into_owned(), handles: self.handles(&targets.handles).into_owned() }
+    /// The targets of pins and moved handles.
+    pub(crate) fn targets(self, pins: &[PointPin<D>], handles: &[HandlePin<D>]) -> Targets<D> {
+        Targets { pins: self.pins(pins).into_owned(), handles: self.handles(handles).into_owned() }
     }
 
     /// The targets along a path.
@@ -75,7 +75,7 @@ impl<'a, const D: usize> Upright<'a, D> {
         if self.is_identity() {
             return Cow::Borrowed(path);
         }
-        path.iter().map(|targets| self.targets(targets)).collect()
+        path.iter().map(|targets| self.targets(&targets.pins, &targets.handles)).collect()
     }
 
     /// Positions of handles or copies of handles.

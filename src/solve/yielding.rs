@@ -5,9 +5,9 @@
 
 use super::linalg::small_matrix::{apply, distance, minus};
 use super::pins::{held_point, held_target};
-use super::problem::{HandlePin, PointPin};
 use super::rigid_motion::RigidMotion;
 use super::settings::{PinHold, Settings};
+use super::targets::Targets;
 use crate::lattice::Grid;
 use crate::smoothstep::smoothstep;
 
@@ -41,14 +41,15 @@ pub(crate) struct YieldingPair {
 /// of one over squared length.
 pub(crate) fn yielding_pairs<const D: usize>(
     grid: &Grid<D>,
-    (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
+    targets: &Targets<D>,
     settings: &Settings,
     firmness: f64,
 ) -> Vec<YieldingPair> {
+    let pins = &targets.pins;
     if settings.pin_hold == PinHold::Soft || pins.len() < 2 {
         return Vec::new();
     }
-    let rigid = RigidMotion::fit_continuous(grid, pins, handles);
+    let rigid = RigidMotion::fit_continuous(grid, targets);
     let places: Vec<[f64; D]> = pins.iter().map(|pin| held_point(grid, pin, settings)).collect();
     let mut order: Vec<usize> = (0..pins.len()).filter(|&pin| pins[pin].weight > 0.0).collect();
     order.sort_by(|&a, &b| places[a][0].total_cmp(&places[b][0]));

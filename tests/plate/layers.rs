@@ -4,7 +4,7 @@ use super::support::{channel, layer, plate, samples, shift, warped, window};
 use pinwarp::image::{Channel, EMPTY_DEPTH, Plate, PlatePart, Storage};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{Field, Matte, PlateError, PlateJob, WarpMap, WarpSettings, remap_plate, warp_plate};
-use pinwarp::space::{FrameSize, PixelRect};
+use pinwarp::space::{FrameSize, FrameWindow, PixelRect};
 
 const FRAME: PixelRect = PixelRect { x: 0, y: 0, width: 24, height: 16 };
 
@@ -364,11 +364,11 @@ fn a_map_shows_the_part_of_a_fold_that_can_be_seen() {
     let frame = FrameSize::new(24, 16);
     let coverage = |[x, _]: [i32; 2]| f32::from(u8::from((0..10).contains(&x)));
     let plain = WarpMap::backward(&folded(), frame, FRAME);
-    let showing = WarpMap::backward_showing(&folded(), (frame, FRAME), coverage);
+    let showing = WarpMap::backward_showing(&folded(), FrameWindow { frame, window: FRAME }, coverage);
     let source = |map: &WarpMap| map.source(10, 8).expect("it comes from somewhere")[0];
     assert!(source(&plain) > 16.0, "nothing lies in front: {}", source(&plain));
     assert!((source(&showing) - 5.25).abs() < 0.01, "{}", source(&showing));
     assert!(!showing.folded_pixels.is_empty() && showing.folded_pixels.len() <= plain.folded_pixels.len());
-    let nothing = WarpMap::backward_showing(&folded(), (frame, FRAME), |_| 0.0);
+    let nothing = WarpMap::backward_showing(&folded(), FrameWindow { frame, window: FRAME }, |_| 0.0);
     assert_eq!((nothing.folded_pixels.len(), nothing.offsets == plain.offsets), (0, true));
 }

@@ -106,7 +106,7 @@ fn picture(covers: impl Fn(u32, u32) -> bool) -> (Plate, Coverage) {
 /// The pixels that are told as folded: by a warped plate, by the map back and by the map there.
 fn told_of((plate, coverage): &(Plate, Coverage), field: &Field) -> [usize; 3] {
     let layers = vec![layer("all", field.clone(), Some(Matte::Alpha))];
-    let (parts, place) = ([(field.clone(), coverage.clone())], (FRAME, FRAME.window()));
+    let (parts, place) = ([(field.clone(), coverage.clone())], FRAME.whole());
     [
         warped(plate, layers, &WarpSettings::default()).1.folded_pixels,
         WarpMap::backward_of_shares(&parts, coverage, place).folded_pixels.len(),

@@ -43,7 +43,7 @@ fn maps_of_large_bent_triangles_have_no_holes() {
     assert_eq!((summary.rendered, summary.failed), (1, 0));
     let drawn = read_exr(&folder.path().join("f.0001.exr")).expect("a frame");
     let size = prepared.shot.size;
-    let map = SurfaceMaps::new(&prepared, (size, size.window())).and_then(|mut maps| maps.backward(1)).expect("a map");
+    let map = SurfaceMaps::new(&prepared, size.whole()).and_then(|mut maps| maps.backward(1)).expect("a map");
     let ids = &drawn.channel("id.object").expect("ids").samples;
     let covered: Vec<[i32; 2]> =
         (0..ids.len()).filter(|&index| ids[index] > 0.0).map(|index| drawn.data_window.pixel_at(index)).collect();

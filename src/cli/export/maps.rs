@@ -14,7 +14,7 @@ use crate::pipeline::{
 };
 use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameSize, FrameWindow, PixelRect};
 use crate::spelling::pluralised;
 use anyhow::{anyhow, bail};
 use std::collections::{BTreeMap, BTreeSet};
@@ -211,7 +211,7 @@ impl Maps {
             return Ok(map);
         };
         let covered = |pixel| coverage.at(pixel, self.size);
-        Ok(WarpMap::backward_showing(&field, (self.size, self.window), covered))
+        Ok(WarpMap::backward_showing(&field, FrameWindow { frame: self.size, window: self.window }, covered))
     }
 
     /// As [`Self::map`], for the only layer if its lattice branches: each pixel follows the branch that covers most of it.
@@ -226,8 +226,10 @@ impl Maps {
             Some(silhouette) => silhouette.branches(frame, (&layer.name, self.size))?,
             None => branches_of_track(layer, frame, self.size),
         };
-        let place = (self.size, self.window);
-        let Some((parts, shape)) = parts else { return Ok(WarpMap::identity(self.size, self.window)) };
+        let place = FrameWindow { frame: self.size, window: self.window };
+        let Some((parts, shape)) = parts else {
+            return Ok(WarpMap::identity(self.size, self.window));
+        };
         Ok(match self.direction {
             Direction::Backward => WarpMap::backward_of_shares(&parts, &shape, place),
             Direction::Forward => WarpMap::forward_of_parts(&parts, place),
@@ -238,7 +240,7 @@ impl Maps {
     /// unwarped picture, restricted to one layer if the maps are.
     pub(super) fn drawings<'a>(&self, prepared: &'a PreparedShot) -> anyhow::Result<Drawings<'a>> {
         if self.scope == Scope::Surfaces {
-            let maps = SurfaceMaps::new(prepared, (self.size, self.window))?;
+            let maps = SurfaceMaps::new(prepared, FrameWindow { frame: self.size, window: self.window })?;
             return Ok(Drawings::Surfaces(Box::new(maps)));
         }
         let only = match (self.scope, &self.lattices.layers[..]) {

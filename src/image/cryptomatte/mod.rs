@@ -21,7 +21,7 @@ pub(crate) use layer::rank_channel_names;
 pub use layer::{MatteLayer, RankChannels, matte_layers};
 pub(crate) use manifest::clean_name;
 pub use manifest::{Manifest, Selection};
-pub(crate) use ranks::Coverage;
+pub(crate) use ranks::IdCoverage;
 pub(super) use side::take_in_manifests;
 
 /// Number of ranks that the specification suggests: three RGBA layers.

@@ -6,11 +6,11 @@ use super::MatteId;
 
 /// Coverage per id of a pixel. Reused from pixel to pixel to avoid allocations.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Coverage {
+pub(crate) struct IdCoverage {
     shares: Vec<(MatteId, f32)>,
 }
 
-impl Coverage {
+impl IdCoverage {
     /// Removes all ids.
     pub(crate) fn clear(&mut self) {
         self.shares.clear();
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn shares_of_one_id_add_up_and_the_largest_stands_first() {
         let [a, b, c] = ["a", "b", "c"].map(MatteId::of_name);
-        let mut coverage = Coverage::default();
+        let mut coverage = IdCoverage::default();
         for (id, share) in [(a, 0.25), (b, 0.375), (a, 0.25), (c, 0.125), (MatteId::NOTHING, 1.0), (c, f32::NAN)] {
             coverage.add(id, share);
         }
@@ -70,7 +70,7 @@ mod tests {
     fn equal_shares_have_one_order() {
         let ids = ["a", "b", "c", "d"].map(MatteId::of_name);
         let ranked = |order: [usize; 4]| {
-            let mut coverage = Coverage::default();
+            let mut coverage = IdCoverage::default();
             order.iter().for_each(|&index| coverage.add(ids[index], 0.25));
             coverage.ranked().to_vec()
         };

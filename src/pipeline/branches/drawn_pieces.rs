@@ -3,6 +3,7 @@
 //! In: [`LabelledPiece`]s and a time. Out: a label and a nearness per pixel. Transparent surfaces count as opaque.
 
 use super::labels::{LabelledPiece, interpolated};
+use crate::image::convex_spans;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::screen::{primitive, project};
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
@@ -120,11 +121,9 @@ impl PlacedPieces {
         for Polygon { label, corners } in &self.polygons {
             let corners: Vec<[f64; 3]> = corners.iter().map(|&[x, y, z]| [x - origin[0], y - origin[1], z]).collect();
             let Some(plane) = plane(&corners) else { continue };
-            for row in within(corners.iter().map(|corner| corner[1]), height) {
-                let y = row as f64;
-                let sides = (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
-                for column in within(sides.flat_map(|side| crossings(side, y)), width) {
-                    let nearness = plane[0] + plane[1] * column as f64 + plane[2] * y;
+            for (row, columns) in convex_spans(&corners, [width, height]) {
+                for column in columns {
+                    let nearness = plane[0] + plane[1] * column as f64 + plane[2] * row as f64;
                     let seen = &mut seen[row * width + column];
                     if nearness > seen.nearness {
                         *seen = FrontSurface { label: *label, nearness };
@@ -147,23 +146,4 @@ fn plane(corners: &[[f64; 3]]) -> Option<[f64; 3]> {
     });
     let (area, [across, down]) = fan.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
     (area != 0.0).then(|| [first[2] - across * first[0] - down * first[1], across, down])
-}
-
-/// Returns the integers in 0..`count` between the minimum and the maximum of some values.
-fn within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    let start = low.ceil().clamp(0.0, count as f64) as usize;
-    start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
-}
-
-/// Returns the x at which a side meets the line at height `y`: none, one, or both ends if the side lies on the line.
-fn crossings([[ax, ay, _], [bx, by, _]]: [[f64; 3]; 2], y: f64) -> impl Iterator<Item = f64> {
-    let both = if y < ay.min(by) || y > ay.max(by) {
-        [None; 2]
-    } else if ay == by {
-        [Some(ax), Some(bx)]
-    } else {
-        [Some(ax + (y - ay) / (by - ay) * (bx - ax)), None]
-    };
-    both.into_iter().flatten()
 }

@@ -143,7 +143,7 @@ impl PreparedShot {
     /// Returns the time from which the passes of a picture are counted, and the passes.
     fn passes_of(&self, now: &TimeSample, exposure: Exposure) -> (f64, Vec<PassPlan>) {
         match exposure {
-            Exposure::Instant => (now.frame, plan_passes(1, CLOSED)),
+            Exposure::Instant => (now.frame, plan_passes(1, Shutter::CLOSED)),
             Exposure::Shutter => {
                 let shutter = self.shot.shutter;
                 (now.frame - mid_shutter(shutter), plan_passes(self.shot.samples, shutter))
@@ -165,7 +165,7 @@ pub(crate) fn parts_of_file(
         branches.polygons(branch).map(move |corners| (branch as u32, nearness, corners))
     });
     let placed = [PlacedPieces::of_screen(polygons, size)];
-    let planned: Vec<_> = plan_passes(FILE_SAMPLES, CLOSED).into_iter().map(|pass| (pass, 0)).collect();
+    let planned: Vec<_> = plan_passes(FILE_SAMPLES, Shutter::CLOSED).into_iter().map(|pass| (pass, 0)).collect();
     let orders = vec![0; lattices.len()];
     let Some((_, shares, covered)) = drawn((&placed, &planned), (&lattices, &orders), size) else { return Vec::new() };
     let covered = Arc::new(covered);
@@ -185,8 +185,6 @@ pub(crate) fn fields_of(parts: Vec<BranchPart>) -> Option<SharedParts> {
 
 /// Samples per pixel for branches from a lattice file, which specifies no number.
 const FILE_SAMPLES: u32 = 16;
-
-const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
 
 /// Returns labels from back to front, the share of each label in every pixel, and the coverage of all; `None` if
 /// nothing is in the frame. `planned`: each pass with the index of its projection in `placed`.

@@ -16,7 +16,7 @@ use crate::image::Frame;
 use crate::pipeline::run::write::Drawn;
 use crate::pipeline::{JerkMeter, PassPlan, PipelineError, PreparedShot, plan_passes};
 use crate::raster::{Pass, PassRole, Raster, Target};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameWindow, PixelRect};
 use geometry_thread::{BuiltPass, FrameFacts, FrameJob, GeometryThread};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -35,19 +35,19 @@ pub(in crate::pipeline) fn tiles(window: PixelRect, max_side: u32) -> Vec<PixelR
 
 /// Draws the tiles of a window of a display window, and joins them to one frame.
 pub(in crate::pipeline) fn draw_tiles(
-    (display, window): (FrameSize, PixelRect),
+    FrameWindow { frame, window }: FrameWindow,
     tiles: &[PixelRect],
     mut draw: impl FnMut(PixelRect) -> Result<Frame, PipelineError>,
 ) -> Result<Frame, PipelineError> {
     if let [only] = tiles {
         return draw(*only);
     }
-    let mut whole = Frame { pixel_aspect: display.pixel_aspect, ..Frame::blank(display.window(), window, &[]) };
+    let mut whole = Frame { pixel_aspect: frame.pixel_aspect, ..Frame::blank(frame.window(), window, &[]) };
     for &tile in tiles {
         let drawn = draw(tile)?;
         if whole.channels.is_empty() {
             let channels: Vec<_> = drawn.channels.iter().map(|c| (c.name.as_str(), c.storage)).collect();
-            whole.channels = Frame::blank(display.window(), window, &channels).channels;
+            whole.channels = Frame::blank(frame.window(), window, &channels).channels;
         }
         whole.paste(&drawn);
     }
@@ -123,8 +123,7 @@ struct FrameRenderer<'a> {
 
 impl FrameRenderer<'_> {
     fn draw(&mut self, job: &FrameJob, tiles: &[PixelRect]) -> Result<(Frame, FrameFacts), PipelineError> {
-        let place = (self.prepared.shot.size, self.prepared.shot.size.window());
-        let whole = draw_tiles(place, tiles, |window| self.tile(job, window))?;
+        let whole = draw_tiles(self.prepared.shot.size.whole(), tiles, |window| self.tile(job, window))?;
         let begun = Instant::now();
         let frame = whole.crop_to_covered();
         self.busy_ms += begun.elapsed().as_secs_f64() * 1e3;

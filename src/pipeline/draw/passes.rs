@@ -85,11 +85,10 @@ mod tests {
     use super::*;
 
     const OPEN: Shutter = Shutter { angle: 180.0, phase: -90.0 };
-    const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
 
     #[test]
     fn one_sample_sits_in_the_middle() {
-        let plan = plan_passes(1, CLOSED);
+        let plan = plan_passes(1, Shutter::CLOSED);
         assert_eq!(plan, [PassPlan { time_frames: 0.0, jitter_px: Vec2::ZERO, role: PassRole::BeautyAndData }]);
     }
 
@@ -103,7 +102,7 @@ mod tests {
 
     #[test]
     fn one_pass_draws_data_in_the_middle_of_shutter_and_pixel() {
-        for shutter in [OPEN, CLOSED, Shutter { angle: 90.0, phase: 30.0 }] {
+        for shutter in [OPEN, Shutter::CLOSED, Shutter { angle: 90.0, phase: 30.0 }] {
             for samples in [1, 2, 4, 11, 16] {
                 let plan = plan_passes(samples, shutter);
                 let data: Vec<_> = plan.iter().filter(|pass| pass.role != PassRole::Beauty).collect();
@@ -117,7 +116,7 @@ mod tests {
 
     #[test]
     fn offsets_follow_the_filter() {
-        let offsets: Vec<Vec2> = plan_passes(1024, CLOSED).iter().map(|pass| pass.jitter_px).collect();
+        let offsets: Vec<Vec2> = plan_passes(1024, Shutter::CLOSED).iter().map(|pass| pass.jitter_px).collect();
         let mean: Vec2 = offsets.iter().sum::<Vec2>() / 1024.0;
         // The mean of n points of a low-discrepancy sequence deviates by about the width / n.
         assert!(mean.length() < 3.0 / 1024.0, "{mean}");

@@ -26,10 +26,10 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
     for (index, (layer, state)) in prepared.shot.layers.iter().zip(&sample.layers).enumerate() {
         let is_in_sight = screen_bounds(prepared, index, &sample.pose, &mesh, &sample.camera).is_some();
         if !is_in_sight {
-            let text = "nothing of it is in sight (behind the camera or far outside the frame)";
+            let text = "nothing of it is in sight (behind the camera or far outside the frame); check the camera, and the layer's nodes";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         } else if state.report().is_none() && layer.pins.iter().any(|pin| !pin.is_muted) {
-            let text = "all its pins are behind the camera or at its near plane: it is not warped";
+            let text = "all its pins are behind the camera or at its near plane: it is not warped; anchor a pin in what the camera sees";
             report.warnings.push(format!("layer '{}': {text}", layer.name));
         }
         let Some(solve) = state.report().cloned() else { continue };
@@ -52,9 +52,8 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
             None => {}
         }
         report.warnings.extend(solve.warnings.iter().map(|text| format!("layer '{}': {text}", layer.name)));
-        let (warning, note) = overlaps::told(prepared, index, sample);
-        report.warnings.extend(warning);
-        report.notes.extend(note);
+        report.warnings.extend(overlaps::order_warning(prepared, index, sample));
+        report.notes.extend(overlaps::crossing_note(prepared, index, sample));
         let greatest = |errors: &[f64]| errors.iter().fold(0.0, |a: f64, &b| a.max(b));
         report.layers.push(LayerReport {
             layer: layer.name.clone(),
@@ -142,7 +141,8 @@ fn border_warnings(layer: &Layer, state: &LayerState, height_px: f64) -> Vec<Str
     let told = |&(pin, by): &(usize, f64)| {
         let (layer, pin, by) = (&layer.name, &layer.pins[state.pins[pin].pin].name, by * height_px);
         format!(
-            "layer '{layer}': pin '{pin}' comes too close to the border for its path, so the border is displaced there by {by:.1} px"
+            "layer '{layer}': pin '{pin}' comes too close to the border for its path, so the border is displaced there by {by:.1} px; \
+             move the pin less, or place it farther inside"
         )
     };
     state.whole.iter().flat_map(|whole| &whole.given_way).map(told).collect()
@@ -193,5 +193,8 @@ fn guarded(layer: &Layer, solve: &SolveReport, what: &str, distance: &str) -> St
         let folded = pluralised(solve.folded_model_cells, "cell folds", "cells fold");
         format!("{folded} nevertheless")
     };
-    format!("layer '{}': guard: {what} stops {distance} short of its target; {why}", layer.name)
+    format!(
+        "layer '{}': guard: {what} stops {distance} short of its target; {why}; move it less, or add pins that hold what lies around it",
+        layer.name
+    )
 }

@@ -79,7 +79,7 @@ fn add_cut(shape: &mut Shape<2>, ends: [Projected; 3], near: f64) {
     let (cut, count) = clip_near(ends, near);
     for cut in &cut[..count] {
         let first = shape.points.len() as u32;
-        let point = |corner: &Corner| ends[corner.from].lerp(ends[corner.to], corner.share).point();
+        let point = |corner: &Corner| ends[corner.from].lerp(ends[corner.to], corner.t).point();
         shape.points.extend(cut.iter().map(|corner| point(corner).0.to_array()));
         shape.triangles.push([first, first + 1, first + 2]);
     }

@@ -10,7 +10,7 @@ use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::{PipelineError, PreparedShot};
 use crate::scene::{Picture, picture_cards};
 use crate::solve::{PointPin, Problem, Settings, Shape, SolveError, SolveReport, solve};
-use crate::space::{FrameSize, PixelRect, ScreenBox, ScreenPoint};
+use crate::space::{FrameWindow, ScreenBox, ScreenPoint};
 use glam::DVec2;
 use std::path::Path;
 
@@ -66,7 +66,7 @@ fn padded(bounds: ScreenBox) -> ScreenBox {
 /// [`PipelineError::Scene`] if the picture is fully transparent.
 pub fn picture_shape(
     path: &Path,
-    (frame, window): (FrameSize, PixelRect),
+    FrameWindow { frame, window }: FrameWindow,
     alpha: Option<&[f32]>,
 ) -> Result<Shape<2>, PipelineError> {
     let picture = Picture { path: path.to_owned(), name: "picture".into(), window, alpha };

@@ -4,12 +4,12 @@
 
 use super::composite_parts::{PART_CHANNELS, composite_parts};
 use super::read::{FlatPicture, plate_of};
-use crate::image::{Frame, LabelMap, NO_LABEL, Plate, neighbours};
+use crate::image::{Frame, LabelMap, NO_LABEL, Plate, convex_spans, neighbours};
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::ordered_parts::OrderedParts;
 use crate::plate::PlateReport;
 use crate::solve::BranchedLattice;
-use crate::space::{FrameSize, ImagePoint, PixelRect, ScreenPoint};
+use crate::space::{FrameSize, FrameWindow, ImagePoint, PixelRect, ScreenPoint};
 
 /// Width in pixels of the rim by which a part extends under connected parts in front, so that filtered edges leave no visible seam.
 const RIM_WIDTH: usize = 3;
@@ -51,10 +51,7 @@ impl PartMap {
         // Coordinates are relative to the centre of the first pixel.
         let origin = [f64::from(self.window.x) + 0.5, f64::from(self.window.y) + 0.5];
         let corners: Vec<[f64; 2]> = corners.iter().map(|&[x, y]| [x - origin[0], y - origin[1]]).collect();
-        for row in pixels_within(corners.iter().map(|corner| corner[1]), height) {
-            let crossings =
-                (0..corners.len()).flat_map(|k| crossings([corners[k], corners[(k + 1) % corners.len()]], row as f64));
-            let columns = pixels_within(crossings, width);
+        for (row, columns) in convex_spans(&corners, [width, height]) {
             self.map.labels[row * width + columns.start..row * width + columns.end].fill(part + 1);
         }
     }
@@ -92,24 +89,6 @@ impl PartMap {
             ring = next;
         }
         mask
-    }
-}
-
-/// Returns the integers in 0..`count` between the minimum and the maximum of some values.
-fn pixels_within(values: impl Iterator<Item = f64>, count: usize) -> std::ops::Range<usize> {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    let start = low.ceil().clamp(0.0, count as f64) as usize;
-    start..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(start)
-}
-
-/// Returns the x at which a side meets the line at height `y`: none, one, or both ends if the side lies on the line.
-fn crossings([[ax, ay], [bx, by]]: [[f64; 2]; 2], y: f64) -> Vec<f64> {
-    if y < ay.min(by) || y > ay.max(by) {
-        Vec::new()
-    } else if ay == by {
-        vec![ax, bx]
-    } else {
-        vec![ax + (y - ay) / (by - ay) * (bx - ax)]
     }
 }
 
@@ -160,5 +139,5 @@ fn cut_out(flat_picture: &FlatPicture, map: &PartMap, (part, mask): (usize, &[bo
     let rim = |pixel: usize| if is_own(pixel) { 0.0 } else { alpha[pixel] };
     let colors = flat_picture.planes().map(|samples| cut(&|pixel| samples[pixel]));
     let planes = colors.chain([cut(&region), cut(&rim)]);
-    Some(plate_of((map.frame, window), PART_CHANNELS.into_iter().zip(planes)))
+    Some(plate_of(FrameWindow { frame: map.frame, window }, PART_CHANNELS.into_iter().zip(planes)))
 }

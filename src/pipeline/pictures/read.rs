@@ -7,7 +7,7 @@ use crate::pipeline::PipelineError;
 use crate::plate::{ColorLayer, Planes, color_layers, scaled};
 use crate::scene::Picture;
 use crate::shot::Shot;
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameSize, FrameWindow, PixelRect};
 use std::path::{Path, PathBuf};
 
 /// The channels of a picture, in order.
@@ -72,18 +72,18 @@ fn flat_picture(
 }
 
 /// Builds a plate from [`CHANNELS`].
-pub(super) fn pictured(size: FrameSize, data_window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
-    plate_of((size, data_window), CHANNELS.into_iter().zip(planes))
+pub(super) fn pictured(frame: FrameSize, window: PixelRect, planes: impl IntoIterator<Item = Vec<f32>>) -> Plate {
+    plate_of(FrameWindow { frame, window }, CHANNELS.into_iter().zip(planes))
 }
 
 /// Builds a plate from named planes.
 pub(super) fn plate_of<'a>(
-    (size, data_window): (FrameSize, PixelRect),
+    FrameWindow { frame, window: data_window }: FrameWindow,
     named: impl IntoIterator<Item = (&'a str, Vec<f32>)>,
 ) -> Plate {
     let channels =
         named.into_iter().map(|(name, samples)| Channel { name: name.to_owned(), storage: Storage::Float, samples });
-    let (display, pixel_aspect) = (size.window(), size.pixel_aspect);
+    let (display, pixel_aspect) = (frame.window(), frame.pixel_aspect);
     Plate::from_frame(Frame { display, data_window, pixel_aspect, channels: channels.collect() })
 }
 

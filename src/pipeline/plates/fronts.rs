@@ -13,7 +13,7 @@ use crate::pipeline::{PassPlan, PipelineError, PreparedShot, plan_passes};
 use crate::plate::{Coverage, Front, SurfacePicture};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Draw, Geometry, MATTE_LAYERS, Pass, Raster, Target};
 use crate::shot::LayerSpace;
-use crate::space::{FrameSize, PixelRect};
+use crate::space::{FrameWindow, PixelRect};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -26,14 +26,14 @@ const LEAST: f32 = 1e-3;
 
 /// The layers that move as one: a single layer, or all that share meshes.
 #[derive(Clone, Debug)]
-pub(super) struct Mover {
+pub(super) struct MovingGroup {
     /// Index of the layer, or of the first of them.
     pub(super) layer: usize,
     /// Indices of the nodes that they move; `None`: what belongs to the layer.
     pub(super) nodes: Option<BTreeSet<usize>>,
 }
 
-impl Mover {
+impl MovingGroup {
     fn moves(&self, draw: &Draw) -> bool {
         match &self.nodes {
             Some(nodes) => nodes.contains(&(draw.object_id as usize - 1)),
@@ -50,7 +50,7 @@ impl Mover {
 /// Draws what is in front of moved layers.
 pub(super) struct Fronts<'a> {
     prepared: &'a PreparedShot,
-    movers: Vec<Mover>,
+    groups: Vec<MovingGroup>,
     /// Opened for the size of the first plate, and again for plates of another size.
     maps: Option<SurfaceMaps<'a>>,
     device: Option<Box<dyn Raster + Send>>,
@@ -59,7 +59,7 @@ pub(super) struct Fronts<'a> {
 impl<'a> Fronts<'a> {
     /// Creates the finder; `None` if nothing could be in front: all of the scene moves. Layers that are warped in the
     /// scene, or that the plate is not warped by, would stand elsewhere than in the plate, so then `None`, too.
-    pub(super) fn of(prepared: &'a PreparedShot, chosen: &[usize], movers: Vec<Mover>) -> Option<Self> {
+    pub(super) fn of(prepared: &'a PreparedShot, chosen: &[usize], groups: Vec<MovingGroup>) -> Option<Self> {
         let layers = &prepared.shot.layers;
         let is_elsewhere = |index: usize| {
             layers[index].is_moved()
@@ -67,29 +67,25 @@ impl<'a> Fronts<'a> {
         };
         let node = |part: usize| prepared.assignment.node_of_part[part];
         let is_moved = |part: usize| {
-            movers.iter().any(|mover| match &mover.nodes {
+            groups.iter().any(|group| match &group.nodes {
                 Some(nodes) => nodes.contains(&node(part)),
-                None => prepared.assignment.layer_of_part[part] == Some(mover.layer),
+                None => prepared.assignment.layer_of_part[part] == Some(group.layer),
             })
         };
         let has_rest = (0..prepared.assignment.node_of_part.len()).any(|part| !is_moved(part));
-        let is_known = !movers.is_empty() && has_rest && !(0..layers.len()).any(is_elsewhere);
-        is_known.then_some(Self { prepared, movers, maps: None, device: None })
+        let is_known = !groups.is_empty() && has_rest && !(0..layers.len()).any(is_elsewhere);
+        is_known.then_some(Self { prepared, groups, maps: None, device: None })
     }
 
     /// Returns the fronts of a frame by layer, for the pixels of a plate; none if nothing is in front.
-    pub(super) fn at(
-        &mut self,
-        frame: i32,
-        place: (FrameSize, PixelRect),
-    ) -> Result<BTreeMap<usize, Arc<Front>>, PipelineError> {
+    pub(super) fn at(&mut self, frame: i32, place: FrameWindow) -> Result<BTreeMap<usize, Arc<Front>>, PipelineError> {
         let mut maps = match self.maps.take().filter(|maps| maps.place() == place) {
             Some(maps) => maps,
             None => SurfaceMaps::new(self.prepared, place)?,
         };
-        let movers = self.movers.clone();
+        let groups = self.groups.clone();
         let time = self.prepared.mid_exposure_time(f64::from(frame));
-        let pictures = maps.pictures_with(time, &|draw| movers.iter().any(|mover| mover.moves(draw)));
+        let pictures = maps.pictures_with(time, &|draw| groups.iter().any(|group| group.moves(draw)));
         self.maps = Some(maps);
         let [before, after] = pictures?.map(|[all, moved]| InFront { is_in_front: in_front(&all, &moved), moved });
         let hidden = after.hidden_in(&before);
@@ -97,43 +93,39 @@ impl<'a> Fronts<'a> {
             return Ok(BTreeMap::new());
         }
         let [all, alone] = [self.coverages(frame, place, true)?, self.coverages(frame, place, false)?];
-        let (size, window) = place;
+        let FrameWindow { frame: size, window } = place;
         let hidden = grown(&hidden, window);
-        let front = |(index, mover): (usize, &Mover)| {
+        let front = |(index, group): (usize, &MovingGroup)| {
             let visible = visible_fractions(&all[index], &alone[index], window);
             let missing = all[index].iter().zip(&hidden).map(|(all, hidden)| if *hidden { *all } else { 0.0 });
             let coverage = |samples: Vec<f32>| Coverage { frame: size, window, samples };
-            (mover.layer, Arc::new(Front { visible: coverage(visible), missing: coverage(missing.collect()) }))
+            (group.layer, Arc::new(Front { visible: coverage(visible), missing: coverage(missing.collect()) }))
         };
-        Ok(self.movers.iter().enumerate().map(front).collect())
+        Ok(self.groups.iter().enumerate().map(front).collect())
     }
 
-    /// Draws the warped scene with the shot's samples and shutter, and returns how much of every pixel shows each mover:
+    /// Draws the warped scene with the shot's samples and shutter, and returns how much of every pixel shows each group:
     /// behind the rest of the scene, or without it.
-    fn coverages(
-        &mut self,
-        frame: i32,
-        place: (FrameSize, PixelRect),
-        has_rest: bool,
-    ) -> Result<Vec<Vec<f32>>, PipelineError> {
+    fn coverages(&mut self, frame: i32, place: FrameWindow, has_rest: bool) -> Result<Vec<Vec<f32>>, PipelineError> {
         let shot = &self.prepared.shot;
         let plan = plan_passes(shot.samples, shot.shutter);
         let mut device = match self.device.take() {
             Some(device) => device,
             None => raster::open(&DeviceChoice::Cpu, &self.prepared.scene)?.0,
         };
-        let tiles = tiles(place.1, device.max_side());
-        let drawn =
-            draw_tiles(place, &tiles, |window| self.tile(frame, (place.0, window), (&plan, has_rest), device.as_mut()));
+        let tiles = tiles(place.window, device.max_side());
+        let drawn = draw_tiles(place, &tiles, |window| {
+            self.tile(frame, FrameWindow { window, ..place }, (&plan, has_rest), device.as_mut())
+        });
         self.device = Some(device);
         let drawn = drawn?;
-        Ok(self.movers.iter().map(|mover| coverage_of_id(&drawn, mover.id())).collect())
+        Ok(self.groups.iter().map(|group| coverage_of_id(&drawn, group.id())).collect())
     }
 
     fn tile(
         &self,
         frame: i32,
-        (size, window): (FrameSize, PixelRect),
+        FrameWindow { frame: size, window }: FrameWindow,
         (plan, has_rest): (&[PassPlan], bool),
         device: &mut dyn Raster,
     ) -> Result<Frame, PipelineError> {
@@ -150,11 +142,11 @@ impl<'a> Fronts<'a> {
         Ok(device.finish()?)
     }
 
-    /// Gives every draw the id of its mover.
+    /// Gives every draw the id of its group.
     fn mark(&self, geometry: &mut Geometry, has_rest: bool) {
         for draw in &mut geometry.draws {
-            let mover = self.movers.iter().find(|mover| mover.moves(draw));
-            draw.mattes = [mover.map_or(MatteId::NOTHING, Mover::id); MATTE_LAYERS.len()];
+            let group = self.groups.iter().find(|group| group.moves(draw));
+            draw.mattes = [group.map_or(MatteId::NOTHING, MovingGroup::id); MATTE_LAYERS.len()];
         }
         if !has_rest {
             geometry.draws.retain(|draw| draw.mattes[0] != MatteId::NOTHING);

@@ -10,6 +10,7 @@ use crate::image::cryptomatte::clean_name;
 use crate::pipeline::{PipelineError, PreparedShot};
 use crate::plate::{Field, LayerJob, WarpSettings, has_motion, mattes_of_names};
 use crate::raster::{DeviceChoice, MATTE_LAYERS};
+use crate::space::FrameWindow;
 use std::collections::BTreeSet;
 
 /// The layers of a shot that share meshes, and all that they move.
@@ -100,7 +101,7 @@ impl<'a> SharedMeshes<'a> {
     /// Returns the warp of a frame, at the pixels of a plate and of its display window.
     fn field(&mut self, frame: i32, plate: &Plate) -> Result<Field, PipelineError> {
         let size = plate.frame_size();
-        let place = (size, size.window().union(plate.reach()));
+        let place = FrameWindow { frame: size, window: size.window().union(plate.reach()) };
         let mut maps = match self.maps.take().filter(|maps| maps.place() == place) {
             Some(maps) => maps,
             None => SurfaceMaps::new(self.prepared, place)?.of_nodes(self.group.nodes.clone()),

@@ -4,7 +4,7 @@
 
 use super::default_mattes::{DefaultMattes, FoundMattes};
 use super::fill::Filler;
-use super::fronts::{Fronts, Mover};
+use super::fronts::{Fronts, MovingGroup};
 use super::headers::check_shape;
 use super::plan::Plan;
 use super::read::{Loaded, Pictures};
@@ -22,7 +22,7 @@ use crate::plate::{
     Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
 };
 use crate::solve::Solution;
-use crate::space::FrameSize;
+use crate::space::{FrameSize, FrameWindow};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
@@ -91,11 +91,10 @@ impl<'a> Stage<'a> {
             let own: Vec<usize> = plan.layers.iter().filter(|layer| !shared.contains(layer)).copied().collect();
             default_mattes = DefaultMattes::of(prepared, &job.device, &own);
             let moves_nodes = |layer: &&usize| prepared.moves_own_nodes(**layer);
-            let alone = own.iter().filter(moves_nodes).map(|&layer| Mover { layer, nodes: None });
-            let joined = plan
-                .shared
-                .iter()
-                .filter_map(|group| Some(Mover { layer: *group.layers.first()?, nodes: Some(group.nodes.clone()) }));
+            let alone = own.iter().filter(moves_nodes).map(|&layer| MovingGroup { layer, nodes: None });
+            let joined = plan.shared.iter().filter_map(|group| {
+                Some(MovingGroup { layer: *group.layers.first()?, nodes: Some(group.nodes.clone()) })
+            });
             fronts = Fronts::of(prepared, &plan.layers, alone.chain(joined).collect());
         }
         Self { job, plan, filler, default_mattes, shared_meshes, fronts, warper }
@@ -176,7 +175,7 @@ impl<'a> Stage<'a> {
             layer_of_job.resize(layers.len(), layer);
         }
         if let Some(fronts) = self.fronts.as_mut().filter(|_| !layers.is_empty()) {
-            let fronts = fronts.at(frame, (size, size.window().union(plate.reach())))?;
+            let fronts = fronts.at(frame, FrameWindow { frame: size, window: size.window().union(plate.reach()) })?;
             layers.iter_mut().zip(&layer_of_job).for_each(|(job, layer)| job.front = fronts.get(layer).cloned());
         }
         if self.job.direction == WarpDirection::Inverse {

@@ -10,7 +10,7 @@ use crate::pipeline::draw::{draw_tiles, tiles};
 use crate::pipeline::{PipelineError, PreparedShot, TimeSample};
 use crate::plate::{SurfacePicture, WarpMap};
 use crate::raster::{ChannelGroup, DeviceChoice, Draw, Geometry, Pass, PassRole, Raster, Target};
-use crate::space::{FrameSize, PixelRect};
+use crate::space::FrameWindow;
 use glam::Vec2;
 use std::collections::BTreeSet;
 
@@ -24,7 +24,7 @@ pub struct SurfaceMaps<'a> {
     still: PreparedShot,
     device: Box<dyn Raster + Send>,
     /// The display window and the pixels of the maps.
-    place: (FrameSize, PixelRect),
+    place: FrameWindow,
     /// Indices of the nodes that are drawn; `None`: all.
     nodes: Option<BTreeSet<usize>>,
 }
@@ -34,7 +34,7 @@ impl<'a> SurfaceMaps<'a> {
     ///
     /// # Errors
     /// [`PipelineError`] if the scene cannot be prepared.
-    pub fn new(prepared: &'a PreparedShot, place: (FrameSize, PixelRect)) -> Result<Self, PipelineError> {
+    pub fn new(prepared: &'a PreparedShot, place: FrameWindow) -> Result<Self, PipelineError> {
         let at_rest = SceneAtRest::new(prepared, &DeviceChoice::Cpu, Vec::new()).with_one_sample();
         let (device, still) = at_rest.opened(prepared.shot.size)?;
         Ok(Self { prepared, still, device, place, nodes: None })
@@ -46,7 +46,7 @@ impl<'a> SurfaceMaps<'a> {
     }
 
     /// The display window and the pixels of the maps.
-    pub(super) const fn place(&self) -> (FrameSize, PixelRect) {
+    pub(super) const fn place(&self) -> FrameWindow {
         self.place
     }
 
@@ -56,7 +56,7 @@ impl<'a> SurfaceMaps<'a> {
     /// [`PipelineError`] if a layer cannot be solved or the scene cannot be drawn.
     pub fn backward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
         let [unwarped, warped] = self.pictures(f64::from(frame))?;
-        Ok(WarpMap::between(&warped, &unwarped, self.place.0))
+        Ok(WarpMap::between(&warped, &unwarped, self.place.frame))
     }
 
     /// Returns the target of every pixel of the unwarped picture of a frame.
@@ -65,7 +65,7 @@ impl<'a> SurfaceMaps<'a> {
     /// The errors of [`Self::backward`].
     pub(crate) fn forward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
         let [unwarped, warped] = self.pictures(f64::from(frame))?;
-        Ok(WarpMap::between(&unwarped, &warped, self.place.0))
+        Ok(WarpMap::between(&unwarped, &warped, self.place.frame))
     }
 
     /// Draws the scene at a (fractional) frame before and after the warp, each with its displacement to the other.
@@ -107,9 +107,9 @@ impl<'a> SurfaceMaps<'a> {
     fn picture(&mut self, geometry: &Geometry) -> Result<SurfacePicture, PipelineError> {
         let pass = Pass { geometry, jitter_px: Vec2::ZERO, role: PassRole::Data };
         let device = self.device.as_mut();
-        let tiles = tiles(self.place.1, device.max_side());
+        let tiles = tiles(self.place.window, device.max_side());
         let drawn = draw_tiles(self.place, &tiles, |window| {
-            let target = Target { frame: self.place.0, window, channels: CHANNELS.to_vec(), beauty_passes: 1 };
+            let target = Target { frame: self.place.frame, window, channels: CHANNELS.to_vec(), beauty_passes: 1 };
             device.start(&target)?;
             device.draw(&pass)?;
             Ok(device.finish()?)

@@ -36,17 +36,22 @@ const SAMPLES: [[f64; 3]; 7] = [
 ];
 
 /// What a stroke covers: part, triangle, and how much of it, above 0 and up to 1.
-type Coverage = Arc<[(usize, usize, f64)]>;
+type PaintedTriangles = Arc<[(usize, usize, f64)]>;
 
 /// What the strokes of a shot cover, so that a new stroke does not compute that of the others again.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct StrokeCache(Mutex<Vec<(usize, BrushStroke, Coverage)>>);
+pub(in crate::pipeline) struct StrokeCache(Mutex<Vec<(usize, BrushStroke, PaintedTriangles)>>);
 
 impl StrokeCache {
     /// Returns what a stroke of a layer covers. Strokes at the same places cover the same, whatever they paint.
-    fn coverage(&self, layer: usize, stroke: &BrushStroke, compute: impl FnOnce() -> Coverage) -> Coverage {
+    fn coverage(
+        &self,
+        layer: usize,
+        stroke: &BrushStroke,
+        compute: impl FnOnce() -> PaintedTriangles,
+    ) -> PaintedTriangles {
         let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_same = |(owner, other, _): &&(usize, BrushStroke, Coverage)| {
+        let is_same = |(owner, other, _): &&(usize, BrushStroke, PaintedTriangles)| {
             *owner == layer
                 && other.radius == stroke.radius
                 && other.points == stroke.points
@@ -135,7 +140,7 @@ impl Stroke<'_> {
     }
 
     /// Returns what the stroke covers of some parts.
-    fn coverage(&self, (scene, rest): (&Scene, &Pose), parts: &[usize]) -> Coverage {
+    fn coverage(&self, (scene, rest): (&Scene, &Pose), parts: &[usize]) -> PaintedTriangles {
         let line: Vec<DVec3> = self.stroke.points.iter().map(|&point| DVec3::from(point)).collect();
         let low = line.iter().copied().fold(DVec3::INFINITY, DVec3::min) - self.stroke.radius;
         let high = line.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + self.stroke.radius;

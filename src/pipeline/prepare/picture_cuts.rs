@@ -2,12 +2,14 @@
 //!
 //! In: a shot of pictures, its scene, the parts of its layers. Out: the parts of every picture by its cuts; finer meshes.
 
-use super::picture_parts::{Fault, PictureParts};
+use super::picture_parts::PictureParts;
 use crate::image::LabelMap;
+use crate::key_fault::KeyFault;
 use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::{Scene, cut_card};
 use crate::shot::{Cut, Shot, Source};
+use crate::space::screen_from_uv;
 use std::collections::BTreeMap;
 
 /// What borders of parts may be moved for the sake of fewer triangles, in pixels: the steps of pixels are no shape.
@@ -50,7 +52,7 @@ impl PictureCuts {
             let node = &scene.nodes[posed[part].node];
             let Some(mesh) = node.mesh.filter(|_| layer.can_branch()) else { continue };
             for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
-                let map = PictureParts { shot, name: &node.name }.of(cut).map_err(|Fault { key, what, hint }| {
+                let map = PictureParts { shot, name: &node.name }.of(cut).map_err(|KeyFault { key, what, hint }| {
                     fault((shot, index), &format!("cuts[{number}].{key}"), &what, &hint)
                 })?;
                 let of_mesh = found.lines.entry(mesh).or_default();
@@ -85,9 +87,9 @@ impl PictureCuts {
     }
 }
 
-/// Converts lines over the unit square, y down, to the screen.
+/// Converts lines over the unit square, v down, to the screen.
 fn on_screen(mut lines: Vec<Vec<[f64; 2]>>, aspect: f64) -> Vec<Vec<[f64; 2]>> {
-    lines.iter_mut().flatten().for_each(|point| *point = [aspect * point[0], 1.0 - point[1]]);
+    lines.iter_mut().flatten().for_each(|point| *point = screen_from_uv(*point, aspect));
     lines
 }
 

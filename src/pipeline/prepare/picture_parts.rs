@@ -1,39 +1,23 @@
 //! The parts into which a mask, ids or the lines of a drawing divide a picture.
 //!
-//! In: a cut of a picture. Out: the part of every pixel or triangle, or a [`Fault`].
+//! In: a cut of a picture. Out: the part of every pixel or triangle, or a [`KeyFault`] with its key within the cut.
 
 use super::rest_mesh::RestMesh;
 use crate::image::{
     CHOSEN, ClosedRegions, Drawing, LabelMap, LineRule, NO_LABEL, OTHER, PaintedMap, Plate, are_of_one_shape,
     flat_colors, read_any,
 };
+use crate::key_fault::KeyFault;
 use crate::pipeline::PipelineError;
 use crate::pipeline::pictures::{drawing_in, drawing_of};
 use crate::plate::{PlateError, channel_labels, chosen_labels, cryptomatte_labels};
 use crate::shot::{Cut, IdChoice, IdPicture, LineArt, PaintedMask, Selection, Shot};
-use crate::space::FrameSize;
+use crate::space::{FrameSize, uv_from_screen};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Number of places along each side of a triangle at which its part is looked up.
 const PLACES: usize = 6;
-
-/// What is wrong with a cut of a picture.
-#[derive(Debug)]
-pub(super) struct Fault {
-    /// The key within the cut: `ids.file`.
-    pub(super) key: String,
-    /// The fault.
-    pub(super) what: String,
-    /// How to fix it.
-    pub(super) hint: String,
-}
-
-impl Fault {
-    fn new(key: &str, what: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { key: key.to_owned(), what: what.into(), hint: hint.into() }
-    }
-}
 
 /// A picture of a shot.
 pub(super) struct PictureParts<'a> {
@@ -45,7 +29,7 @@ pub(super) struct PictureParts<'a> {
 
 impl PictureParts<'_> {
     /// Returns the parts into which a cut divides the frame; `None` for strokes, and for cuts that name nothing of a picture.
-    pub(super) fn of(&self, cut: &Cut) -> Result<Option<LabelMap>, Fault> {
+    pub(super) fn of(&self, cut: &Cut) -> Result<Option<LabelMap>, KeyFault> {
         match cut {
             Cut::Ids(ids) => self.by_ids(ids).map(Some),
             Cut::Regions(lines) => self.by_regions(lines).map(Some),
@@ -55,9 +39,9 @@ impl PictureParts<'_> {
     }
 
     /// Returns [`CHOSEN`] where a mask that lies over the frame is painted, [`OTHER`] elsewhere.
-    fn painted(&self, mask: &PaintedMask) -> Result<LabelMap, Fault> {
+    fn painted(&self, mask: &PaintedMask) -> Result<LabelMap, KeyFault> {
         let PaintedMap { size, values } = PaintedMap::read(&mask.file, mask.channel.index()).map_err(|error| {
-            Fault::new("mask.file", error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
+            KeyFault::new("mask.file", error.to_string(), "give a PNG, JPEG or EXR file of the picture's shape")
         })?;
         self.check_shape("mask", size)?;
         let label = |value: f32| if value > 0.5 { CHOSEN } else { OTHER };
@@ -65,10 +49,10 @@ impl PictureParts<'_> {
     }
 
     /// Returns the parts by the ids of a picture over the frame.
-    fn by_ids(&self, picture: &IdPicture) -> Result<LabelMap, Fault> {
+    fn by_ids(&self, picture: &IdPicture) -> Result<LabelMap, KeyFault> {
         const KEY: &str = "ids.file";
         let plate = read_any(&picture.file)
-            .map_err(|error| Fault::new(KEY, error.to_string(), "give a PNG or EXR file of the picture's shape"))?;
+            .map_err(|error| KeyFault::new(KEY, error.to_string(), "give a PNG or EXR file of the picture's shape"))?;
         let FrameSize { width, height, .. } = plate.frame_size();
         self.check_shape("ids", [width, height])?;
         let missing = |error: PlateError| missing(&picture.file, error);
@@ -83,13 +67,13 @@ impl PictureParts<'_> {
     }
 
     /// Returns the parts by the regions that lines close.
-    fn by_regions(&self, lines: &LineArt) -> Result<LabelMap, Fault> {
+    fn by_regions(&self, lines: &LineArt) -> Result<LabelMap, KeyFault> {
         let found = match &lines.file {
             Some(file) => drawing_in(self.shot, file),
             None => drawing_of(self.shot, self.name),
         };
         let unread =
-            |what: String| Fault::new("regions.file", what, "give a picture of the lines: a PNG, JPEG or EXR file");
+            |what: String| KeyFault::new("regions.file", what, "give a picture of the lines: a PNG, JPEG or EXR file");
         let found = found.map_err(|error| match error {
             PipelineError::Mismatch { what, .. } => unread(what),
             error => unread(error.to_string()),
@@ -99,7 +83,7 @@ impl PictureParts<'_> {
         let ClosedRegions { mut map, inside, count } = self.regions(&drawing, lines);
         if count == 0 {
             let hint = "lower `threshold` if the lines are faint, `gap` if the regions are narrow";
-            return Err(Fault::new("regions", "the drawing has no closed region", hint));
+            return Err(KeyFault::new("regions", "the drawing has no closed region", hint));
         }
         if !lines.at.is_empty() {
             let chosen = self.regions_at(&lines.at, &inside)?;
@@ -113,19 +97,19 @@ impl PictureParts<'_> {
     }
 
     /// Returns the regions that contain points.
-    fn regions_at(&self, points: &[[f64; 2]], inside: &LabelMap) -> Result<Vec<u32>, Fault> {
+    fn regions_at(&self, points: &[[f64; 2]], inside: &LabelMap) -> Result<Vec<u32>, KeyFault> {
         let aspect = self.shot.size.aspect();
         let region = |(number, &[x, y]): (usize, &[f64; 2])| {
             let key = format!("regions.at[{number}]");
             if !(0.0..=aspect).contains(&x) || !(0.0..=1.0).contains(&y) {
                 let what = format!("{x}, {y} lies outside the picture");
                 let hint = format!("give x from 0 to {aspect:.4} and y from 0 to 1, in frame heights, y up");
-                return Err(Fault::new(&key, what, hint));
+                return Err(KeyFault::new(key, what, hint));
             }
-            match inside.at(self.over_picture([x, y])) {
+            match inside.at(uv_from_screen([x, y], aspect)) {
                 NO_LABEL => {
                     let what = format!("{x}, {y} lies on a line, or outside of what the lines close");
-                    Err(Fault::new(&key, what, "move it into a region; lower `gap` if the region is narrow"))
+                    Err(KeyFault::new(key, what, "move it into a region; lower `gap` if the region is narrow"))
                 }
                 region => Ok(region),
             }
@@ -133,7 +117,7 @@ impl PictureParts<'_> {
         points.iter().enumerate().map(region).collect()
     }
 
-    fn check_shape(&self, key: &str, size: [u32; 2]) -> Result<(), Fault> {
+    fn check_shape(&self, key: &str, size: [u32; 2]) -> Result<(), KeyFault> {
         let FrameSize { width, height, .. } = self.shot.size;
         if are_of_one_shape(size, [width, height]) {
             return Ok(());
@@ -144,18 +128,8 @@ impl PictureParts<'_> {
             _ => format!("the file has {w} x {h} pixels, the picture {width} x {height}"),
         };
         let hint = "paint it over the picture; other sizes of that shape will do";
-        Err(Fault::new(&format!("{key}.file"), what, hint))
+        Err(KeyFault::new(format!("{key}.file"), what, hint))
     }
-
-    /// Converts a point of the screen to the unit square, y down.
-    fn over_picture(&self, at: [f64; 2]) -> [f64; 2] {
-        over_picture(at, self.shot.size)
-    }
-}
-
-/// Converts a point of the screen to the unit square over the frame, y down.
-fn over_picture([x, y]: [f64; 2], size: FrameSize) -> [f64; 2] {
-    [x / size.aspect(), 1.0 - y]
 }
 
 /// Returns the part that has most of each triangle of a picture in a frame of this size; of equal shares, the one with the smaller label.
@@ -165,7 +139,7 @@ pub(super) fn parts_of_triangles(mesh: &RestMesh, map: &LabelMap, size: FrameSiz
         // The middles of equal cells, so that no place lies on a side.
         .map(|counts| counts.map(|count| (count as f64 + 1.0 / 3.0) / PLACES as f64))
         .collect();
-    let points: Vec<[f64; 2]> = mesh.flat().into_iter().map(|point| over_picture(point, size)).collect();
+    let points: Vec<[f64; 2]> = mesh.flat().into_iter().map(|point| uv_from_screen(point, size.aspect())).collect();
     let most = |corners: &[u32; 3]| {
         let corners = corners.map(|corner| points[corner as usize]);
         let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
@@ -180,8 +154,8 @@ pub(super) fn parts_of_triangles(mesh: &RestMesh, map: &LabelMap, size: FrameSiz
 }
 
 /// Returns the flat colours of a picture.
-fn colors_of(plate: &Plate, file: &Path) -> Result<LabelMap, Fault> {
-    let fault = |what: String, hint: &str| Err(Fault::new("ids.file", what, hint));
+fn colors_of(plate: &Plate, file: &Path) -> Result<LabelMap, KeyFault> {
+    let fault = |what: String, hint: &str| Err(KeyFault::new("ids.file", what, hint));
     match flat_colors(plate) {
         None => {
             let what = format!("{} has no colours and no Cryptomatte", file.display());
@@ -196,15 +170,15 @@ fn colors_of(plate: &Plate, file: &Path) -> Result<LabelMap, Fault> {
 }
 
 /// Says what a file of ids lacks.
-fn missing(file: &Path, error: PlateError) -> Fault {
+fn missing(file: &Path, error: PlateError) -> KeyFault {
     let file = file.display();
     match error {
         PlateError::NoMatteChannel { channel, hint, .. } => {
-            Fault::new("ids.id", format!("{file} has no channel \"{channel}\""), hint)
+            KeyFault::new("ids.id", format!("{file} has no channel \"{channel}\""), hint)
         }
         PlateError::NoCryptomatte { wanted, hint, .. } => {
-            Fault::new("ids", format!("no Cryptomatte of {file} contains {wanted}"), hint)
+            KeyFault::new("ids", format!("no Cryptomatte of {file} contains {wanted}"), hint)
         }
-        error => Fault::new("ids.file", error.to_string(), "give a PNG or EXR file of the picture's shape"),
+        error => KeyFault::new("ids.file", error.to_string(), "give a PNG or EXR file of the picture's shape"),
     }
 }

@@ -144,6 +144,10 @@ fn clamped_scale(squared: f32) -> f32 {
 /// other may cross a fold or a hole. Where both cross one, as on the last pixels of a thin part, or if there is none, it is 0. At the
 /// border of the map the next difference stands for the missing one.
 /// `stride`: to the next of `count` pixels, `place`: of this pixel among them.
+///
+/// [`WarpMap::jacobian`] differs: it takes the mean of both sides where they agree, as a derivative should. A footprint takes the
+/// smaller side everywhere, since too wide a filter blurs, and compares nothing where the smaller side is not steep, which is nearly
+/// everywhere.
 #[inline(always)]
 fn steepness(offsets: &[[f32; 2]], index: usize, stride: usize, (place, count): (usize, usize)) -> [f32; 2] {
     let step = |from: usize| difference(offsets[from + stride], offsets[from]);

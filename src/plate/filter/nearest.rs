@@ -3,8 +3,8 @@
 //! In: offsets of a row of pixels. Out: indices of the nearest source samples; bit-exact copies of them.
 
 use super::border::Extent;
-use super::simd::dispatch;
 use crate::plate::WarpMap;
+use crate::simd::dispatch;
 use crate::space::PixelRect;
 use pulp::{Simd, WithSimd};
 

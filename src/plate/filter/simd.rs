@@ -1,20 +1,9 @@
-//! Runs inner loops with SIMD instructions.
-//!
-//! In: a kernel whose whole body is inlined. Out: its result, compiled for the current processor.
+//! SIMD registers of eight floats: loads and stores. Crate pulp.
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-/// Floats per register. Both instruction sets of [`dispatch`] have exactly eight.
+/// Floats per register. Both instruction sets of [`dispatch`](crate::simd::dispatch) have exactly eight.
 pub(super) const LANES: usize = 8;
-
-/// Runs a kernel with the widest registers of up to eight floats that the processor supports.
-pub(super) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
-        return Simd::vectorize(simd, kernel);
-    }
-    Simd::vectorize(pulp::Scalar256b, kernel)
-}
 
 /// Loads eight floats into a register.
 #[inline(always)]

@@ -13,8 +13,8 @@ use super::kernel::Accumulate;
 use super::nearest::{FindNearest, copy_samples, nearest_sample};
 use super::positions::{FindFootprints, FindPositions, FoundPositions, SourcePosition};
 use super::profile::{Weights, lanczos_table};
-use super::simd::dispatch;
 use crate::plate::{Filter, WarpMap};
+use crate::simd::dispatch;
 use crate::space::PixelRect;
 use pulp::{Simd, WithSimd};
 

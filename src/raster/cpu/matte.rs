@@ -5,7 +5,7 @@
 
 use super::bin::{TILE, Tiling};
 use super::coverage::TILE_PIXELS;
-use crate::image::cryptomatte::{Coverage, MatteId, USUAL_RANKS, rank_channel_names};
+use crate::image::cryptomatte::{IdCoverage, MatteId, USUAL_RANKS, rank_channel_names};
 use crate::image::{Channel, Storage};
 use crate::raster::{MATTE_LAYERS, RasterError};
 use rayon::prelude::*;
@@ -116,7 +116,7 @@ pub(super) fn gather_mattes(tiling: Tiling, tiles: &[&TileMattes]) -> Result<Vec
         bands.iter_mut().zip(parts).for_each(|(band, part)| band.push(part));
     }
     bands.into_par_iter().zip(tiles.par_chunks(tiling.columns().max(1))).for_each_init(
-        Coverage::default,
+        IdCoverage::default,
         |coverage, (mut band, tiles)| {
             for (column, tile) in tiles.iter().enumerate() {
                 rank_tile(coverage, tile, (&mut band, width, column * side));
@@ -127,7 +127,7 @@ pub(super) fn gather_mattes(tiling: Tiling, tiles: &[&TileMattes]) -> Result<Vec
 }
 
 /// Ranks the pixels of a tile that starts at column `left` of a band of rows with this width.
-fn rank_tile(coverage: &mut Coverage, mattes: &TileMattes, (band, width, left): (&mut [&mut [f32]], usize, usize)) {
+fn rank_tile(coverage: &mut IdCoverage, mattes: &TileMattes, (band, width, left): (&mut [&mut [f32]], usize, usize)) {
     if mattes.entries.is_empty() {
         return;
     }

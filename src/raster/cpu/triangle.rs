@@ -102,15 +102,15 @@ pub(super) fn set_up(source: &Source, corners: [WindowVertex; 3], window: IVec2,
     if at.into_iter().all(is_in_guard_band) {
         let snapped = at.map(snap);
         let unsnapped = snapped.map(|at| at.as_dvec2() / SUBPIXELS);
-        if let Some(coverage) = Coverage::of(snapped, window) {
-            emit_covered(source, &corners, (coverage, unsnapped), emit);
+        if let Some(functions) = EdgeFunctions::of(snapped, window) {
+            emit_covered(source, &corners, (functions, unsnapped), emit);
         }
         return;
     }
     let rest = clip_to_guard(at);
     for pair in rest.windows(2).skip(1) {
-        if let Some(coverage) = Coverage::of([rest[0], pair[0], pair[1]].map(snap), window) {
-            emit_covered(source, &corners, (coverage, at), emit);
+        if let Some(functions) = EdgeFunctions::of([rest[0], pair[0], pair[1]].map(snap), window) {
+            emit_covered(source, &corners, (functions, at), emit);
         }
     }
 }
@@ -122,8 +122,8 @@ fn lies_outside(at: [DVec2; 3], window: IVec2) -> bool {
     high.x < 0.0 || high.y < 0.0 || low.x > f64::from(window.x) || low.y > f64::from(window.y)
 }
 
-/// The pixels that a snapped triangle covers.
-struct Coverage {
+/// The edges of a snapped triangle, and the pixels that it may cover.
+struct EdgeFunctions {
     edges: [Edge; 3],
     min: IVec2,
     max: IVec2,
@@ -131,8 +131,8 @@ struct Coverage {
     is_counter_clockwise: bool,
 }
 
-impl Coverage {
-    /// Computes the coverage; `None` if the triangle has no area or covers no pixel centre of the window.
+impl EdgeFunctions {
+    /// Computes the edge functions; `None` if the triangle has no area or covers no pixel centre of the window.
     fn of(at: [IVec2; 3], window: IVec2) -> Option<Self> {
         let [p, q, r] = at.map(|at| at.as_i64vec2());
         let area = (q - p).perp_dot(r - p);
@@ -170,16 +170,16 @@ fn edge(p: IVec2, q: IVec2) -> Edge {
 fn emit_covered(
     source: &Source,
     corners: &[WindowVertex; 3],
-    place: (Coverage, [DVec2; 3]),
+    place: (EdgeFunctions, [DVec2; 3]),
     emit: &mut impl FnMut(Triangle),
 ) {
-    let (coverage, [p, q, r]) = place;
-    let is_front = coverage.is_counter_clockwise != source.is_mirrored;
+    let (functions, [p, q, r]) = place;
+    let is_front = functions.is_counter_clockwise != source.is_mirrored;
     let area = (q - p).perp_dot(r - p);
     if (source.is_culled && !is_front) || area == 0.0 {
         return;
     }
-    let first = coverage.min.as_dvec2() + 0.5;
+    let first = functions.min.as_dvec2() + 0.5;
     let barycentric = |from: DVec2, to: DVec2| {
         let side = (to - from) / area;
         [side.perp_dot(first - from), -side.y, side.x]
@@ -190,9 +190,9 @@ fn emit_covered(
     let [z0, z1, z2] = corners.map(|vertex| f64::from(vertex.z));
     let z = [0, 1, 2].map(|i| second[i] * (z1 - z0) + third[i] * (z2 - z0));
     emit(Triangle {
-        edges: coverage.edges,
-        min: coverage.min,
-        max: coverage.max,
+        edges: functions.edges,
+        min: functions.min,
+        max: functions.max,
         z: plane([z[0] + z0, z[1], z[2]]),
         barycentrics: [plane(second), plane(third)],
         inverse_w: corners.map(|vertex| vertex.inverse_w),

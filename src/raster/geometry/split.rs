@@ -89,11 +89,11 @@ impl<'a> Splitter<'a> {
     /// Returns the vertex of a corner kept or created by near-plane clipping.
     fn on_edge(&mut self, corners: [u32; 3], corner: Corner) -> u32 {
         let (from, to) = (corners[corner.from], corners[corner.to]);
-        if from == to { from } else { self.between((from, to), corner.share, EdgeVertex::Cut) }
+        if from == to { from } else { self.between((from, to), corner.t, EdgeVertex::Cut) }
     }
 
     /// Returns the vertex at a fraction of an edge, created once.
-    fn between(&mut self, (from, to): (u32, u32), share: f64, made: EdgeVertex) -> u32 {
+    fn between(&mut self, (from, to): (u32, u32), t: f64, made: EdgeVertex) -> u32 {
         let key = match made {
             EdgeVertex::Cut => (from, to, made),
             EdgeVertex::Half => (from.min(to), from.max(to), made),
@@ -101,7 +101,7 @@ impl<'a> Splitter<'a> {
         if let Some(&vertex) = self.made.get(&key) {
             return vertex;
         }
-        let index = self.vertices.add_between((from, to), share, self.triangle);
+        let index = self.vertices.add_between((from, to), t, self.triangle);
         self.made.insert(key, index);
         index
     }

@@ -1,9 +1,9 @@
 //! Closed contours of coverage by marching squares (Lorensen and Cline, "Marching Cubes", 1987, in the plane).
 //!
-//! In: [`Coverage`]. Out: loops of points with sub-cell precision, which neither touch nor cross one another or
+//! In: [`AlphaGrid`]. Out: loops of points with sub-cell precision, which neither touch nor cross one another or
 //! themselves.
 
-use super::coverage::Coverage;
+use super::coverage::AlphaGrid;
 
 /// Marks the absence of a next point.
 const NONE: u32 = u32::MAX;
@@ -14,7 +14,7 @@ const MARGIN: f64 = 0.02;
 /// Returns all contours; outer ones have positive area, holes negative.
 ///
 /// A contour crosses edges between neighbouring cells: edge 2k leads from cell k to the right, 2k + 1 downwards.
-pub(super) fn loops(coverage: &Coverage) -> Vec<Vec<[f64; 2]>> {
+pub(super) fn loops(coverage: &AlphaGrid) -> Vec<Vec<[f64; 2]>> {
     let mut next = vec![NONE; 2 * coverage.values.len()];
     let [width, height] = coverage.size;
     for y in 0..height - 1 {
@@ -38,7 +38,7 @@ pub(super) fn loops(coverage: &Coverage) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Links the edges that the contour crosses around the square whose upper left corner is cell `at`.
-fn link(coverage: &Coverage, at: usize, next: &mut [u32]) {
+fn link(coverage: &AlphaGrid, at: usize, next: &mut [u32]) {
     let width = coverage.size[0];
     // Clockwise from the upper left; after each corner, the edge that starts there.
     let corners = [at, at + 1, at + width + 1, at + width];
@@ -58,7 +58,7 @@ fn link(coverage: &Coverage, at: usize, next: &mut [u32]) {
 }
 
 /// Returns where the contour crosses an edge.
-fn crossing(coverage: &Coverage, side: usize) -> [f64; 2] {
+fn crossing(coverage: &AlphaGrid, side: usize) -> [f64; 2] {
     let (cell, is_down) = (side / 2, side % 2 == 1);
     let width = coverage.size[0];
     let other = if is_down { cell + width } else { cell + 1 };

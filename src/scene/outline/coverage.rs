@@ -14,7 +14,7 @@ const EDGES: [f32; 4] = [0.1, 0.05, 0.02, 0.005];
 const FAINT: f64 = 0.05;
 
 /// Coverage on a grid of cells: pixels, or square blocks of them. Cell (i, j) has its centre at (i, j).
-pub(super) struct Coverage {
+pub(super) struct AlphaGrid {
     /// Cells across and down, including a border of one empty cell.
     pub(super) size: [usize; 2],
     /// #cells, rows from the top, not negative.
@@ -26,7 +26,7 @@ pub(super) struct Coverage {
     block: u32,
 }
 
-impl Coverage {
+impl AlphaGrid {
     /// Computes the coverage of the pixels of a window.
     pub(super) fn of(window: PixelRect, alpha: &[f32]) -> Self {
         debug_assert_eq!(alpha.len(), window.area(), "one value a pixel");
@@ -104,7 +104,7 @@ mod tests {
             (0..window.area()).map(at).collect()
         };
         for (softness, glow, wanted) in [(1.0, 0.0, 0.1), (12.0, 0.0, 0.1), (1.0, 0.16, 0.02)] {
-            assert_eq!(Coverage::of(window, &picture(softness, glow)).edge, wanted, "{softness} {glow}");
+            assert_eq!(AlphaGrid::of(window, &picture(softness, glow)).edge, wanted, "{softness} {glow}");
         }
     }
 }

@@ -13,7 +13,7 @@ pub(super) use cut_lines::cut_along;
 pub(super) use mesh::Triangulated;
 
 use crate::space::PixelRect;
-use coverage::Coverage;
+use coverage::AlphaGrid;
 
 /// Target number of vertices of a mesh.
 const WANTED_VERTICES: f64 = 400.0;
@@ -65,7 +65,7 @@ pub(super) fn filling(alpha: &[f32]) -> Filling {
 /// Returns a mesh of the visible part of a picture; `alpha`: #pixels of the window, rows from the top, not 0
 /// everywhere.
 pub(super) fn triangulated(window: PixelRect, alpha: &[f32]) -> Triangulated {
-    let coverage = Coverage::of(window, alpha);
+    let coverage = AlphaGrid::of(window, alpha);
     let loops = contour::loops(&coverage);
     let area = loops.iter().map(|points| contour::area(points)).sum::<f64>().abs();
     let length: f64 = loops.iter().map(|points| contour::length(points)).sum();

@@ -114,7 +114,7 @@ impl Check<'_> {
             is_looped: raw.frames.is_looped,
             frames,
             solve_range: self.solve_range(raw.solve_range, frames),
-            shutter: raw.shutter.map_or(CLOSED, Shutter::from),
+            shutter: raw.shutter.map_or(Shutter::CLOSED, Shutter::from),
             size,
             samples: raw.samples,
             environment: raw.environment,
@@ -195,9 +195,6 @@ impl Kind {
         }
     }
 }
-
-/// No motion blur.
-const CLOSED: Shutter = Shutter { angle: 0.0, phase: 0.0 };
 
 impl From<RawShutter> for Shutter {
     fn from(raw: RawShutter) -> Self {

@@ -7,13 +7,12 @@
 use super::points::{BarrierPoints, PenalisedPoint};
 use super::potential::{MIN_DET, STRENGTH};
 use super::reactions::Reactions;
-use crate::solve::anderson::Anderson;
 use crate::solve::cached_factor::CachedFactor;
 use crate::solve::cancel::Cancelled;
 use crate::solve::energy::RotationHessian;
+use crate::solve::factor_reuse::{CONVEXITY_LIMITS, FactorReuse};
 use crate::solve::linalg::factorization::Factorization;
 use crate::solve::minimization::{Minimization, MinimizationResult, largest_step};
-use crate::solve::newton::steps_left;
 
 /// Fraction of the distance to the pole that a step may take.
 pub(super) const CAUTION: f64 = 0.9;
@@ -37,10 +36,6 @@ const SHORT: f64 = 0.05;
 /// After a step that was shortened to less than this fraction, the factor is not reused.
 const SHORTENED: f64 = 0.5;
 
-/// Upper limits of 1/(s1 + s2), tried in this order: the true second derivative, then increasingly convex matrices, as in
-/// Newton's method without the barrier.
-const LEVELS: [f64; 3] = [f64::INFINITY, 0.75, 0.5];
-
 /// Maximum number of trials of the line search, each with half the step.
 const HALVINGS: usize = 20;
 
@@ -50,17 +45,8 @@ const DESCENT: f64 = 1e-4;
 /// Relative rounding error of energies.
 const ROUNDING: f64 = 1e-11;
 
-/// Window of the Anderson acceleration of steps with a reused factor.
-const ANDERSON_WINDOW: usize = 5;
-
-/// Number of steps that a new factor is expected to need.
-const STEPS_PER_FACTOR: f64 = 2.0;
-
 /// Largest cost of a new factor, in steps with a reused one; that of energies without a second derivative.
 const MOST_COSTLY: f64 = 8.0;
-
-/// A step below the tolerance is the last one if the next would be below this fraction of the tolerance.
-const CERTAIN: f64 = 0.1;
 
 pub(super) type Vectors<const D: usize> = Vec<[f64; D]>;
 
@@ -91,16 +77,10 @@ pub(super) struct Descent<'a, const D: usize> {
     points: &'a BarrierPoints<D>,
     reactions: Reactions<'a, D>,
     iterations: usize,
-    /// Index into [`LEVELS`]: 0 is the true second derivative, higher levels are convex matrices.
+    /// Index into [`CONVEXITY_LIMITS`]: 0 is the true second derivative, higher levels are convex matrices.
     level: usize,
     cached: CachedFactor,
-    /// Whether the factor was computed at the state from which the first of `steps` started.
-    is_fresh: bool,
-    /// Lengths of the steps with this factor.
-    steps: Vec<f64>,
-    anderson: Anderson,
-    /// Cost of a new factor, in steps with a reused one.
-    factor_cost: f64,
+    reuse: FactorReuse,
 }
 
 impl<'a, const D: usize> Descent<'a, D> {
@@ -119,10 +99,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             iterations,
             level: usize::from(!cached.is_some()),
             cached,
-            is_fresh: false,
-            steps: Vec::new(),
-            anderson: Anderson::new(ANDERSON_WINDOW),
-            factor_cost: problem.factor_cost().min(MOST_COSTLY),
+            reuse: FactorReuse::new(problem.factor_cost().min(MOST_COSTLY)),
         }
     }
 
@@ -175,8 +152,8 @@ impl<'a, const D: usize> Descent<'a, D> {
             let by = self.direction(&state)?;
             let full = ahead(&state.handles, &by, 1.0);
             let length = largest_step(&state.handles, &full);
-            self.steps.push(length);
-            if self.is_last(tolerance) {
+            self.reuse.record(length);
+            if self.reuse.is_done(tolerance) {
                 let is_open = self.points.max_step(&state.handles, &full, MIN_DET) >= 1.0;
                 return Ok((if is_open { full } else { state.handles }, true));
             }
@@ -184,15 +161,15 @@ impl<'a, const D: usize> Descent<'a, D> {
                 Some(next) => {
                     let moved = largest_step(&state.handles, &next.handles);
                     let is_near = state.energy - next.energy <= SLOW * state.energy || moved <= NEAR * problem.diagonal;
-                    let is_reusable = self.level == 0 && moved >= SHORTENED * length && !self.is_stale(tolerance);
+                    let is_reusable = self.level == 0 && moved >= SHORTENED * length && !self.reuse.is_stale(tolerance);
                     self.level = usize::from(!is_near || moved < SHORT * length);
                     if self.level > 0 || !is_reusable {
                         self.cached.discard_factor();
                     }
                     state = next;
                 }
-                None if !self.is_fresh || self.steps.len() > 1 => self.cached.discard_factor(),
-                None if self.level < LEVELS.len() - 1 => {
+                None if !self.reuse.is_fresh || !self.reuse.is_first() => self.cached.discard_factor(),
+                None if self.level < CONVEXITY_LIMITS.len() - 1 => {
                     self.cached.discard_factor();
                     self.level += 1;
                 }
@@ -203,27 +180,8 @@ impl<'a, const D: usize> Descent<'a, D> {
     }
 
     fn restart(&mut self, is_fresh: bool) {
-        self.is_fresh = is_fresh;
-        self.steps.clear();
-        self.anderson.reset();
-    }
-
-    /// Whether the last step was below the tolerance and little distance remains, also along flat directions.
-    fn is_last(&self, tolerance: f64) -> bool {
-        let step = self.steps[self.steps.len() - 1];
-        step <= tolerance && (self.is_fresh && self.steps.len() == 1 || step * self.rate() <= CERTAIN * tolerance)
-    }
-
-    /// Whether the remaining steps would cost more than a new factor and the steps that it needs.
-    fn is_stale(&self, tolerance: f64) -> bool {
-        let step = self.steps[self.steps.len() - 1];
-        self.steps.len() > 1 && steps_left(step / tolerance, self.rate()) > self.factor_cost + STEPS_PER_FACTOR
-    }
-
-    /// Convergence rate with this factor.
-    fn rate(&self) -> f64 {
-        let [first, .., last] = self.steps[..] else { return 1.0 };
-        (last / first).powf(1.0 / (self.steps.len() - 1) as f64)
+        self.reuse.is_fresh = is_fresh;
+        self.reuse.clear();
     }
 
     fn state(&self, handles: Vectors<D>) -> Result<State<D>, Cancelled> {
@@ -242,9 +200,9 @@ impl<'a, const D: usize> Descent<'a, D> {
 
     /// Returns the accelerated state if it lowers the energy, else one along `by`, which leads to `full`.
     fn searched(&mut self, state: &State<D>, by: &[[f64; D]], full: Vectors<D>) -> Result<Option<State<D>>, Cancelled> {
-        let has_history = self.anderson.has_history();
+        let has_history = self.reuse.anderson.has_history();
         let mut accelerated = full.clone();
-        self.anderson.step(&state.handles, &mut accelerated);
+        self.reuse.anderson.step(&state.handles, &mut accelerated);
         if has_history {
             if self.points.max_step(&state.handles, &accelerated, MIN_DET) >= 1.0 {
                 let next = self.state(accelerated)?;
@@ -252,7 +210,7 @@ impl<'a, const D: usize> Descent<'a, D> {
                     return Ok(Some(next));
                 }
             }
-            self.anderson.reset();
+            self.reuse.anderson.reset();
         }
         self.line_search(state, by, full)
     }
@@ -265,15 +223,15 @@ impl<'a, const D: usize> Descent<'a, D> {
         full: Vectors<D>,
     ) -> Result<Option<State<D>>, Cancelled> {
         let way = self.points.max_step(&state.handles, &full, MIN_DET);
-        let mut share = if way < 1.0 { CAUTION * way } else { 1.0 };
+        let mut step_length = if way < 1.0 { CAUTION * way } else { 1.0 };
         let slope: f64 = state.residual.as_flattened().iter().zip(by.as_flattened()).map(|(x, y)| 2.0 * x * y).sum();
         for _ in 0..HALVINGS {
-            let next = self.state(ahead(&state.handles, by, share))?;
-            if next.energy <= state.energy - DESCENT * share * slope + ROUNDING * state.energy.abs() {
+            let next = self.state(ahead(&state.handles, by, step_length))?;
+            if next.energy <= state.energy - DESCENT * step_length * slope + ROUNDING * state.energy.abs() {
                 return Ok(Some(next));
             }
-            self.anderson.reset();
-            share *= 0.5;
+            self.reuse.anderson.reset();
+            step_length *= 0.5;
         }
         Ok(None)
     }
@@ -299,7 +257,7 @@ impl<'a, const D: usize> Descent<'a, D> {
         self.restart(true);
         let scale = STRENGTH * problem.stiffness();
         let wide = problem.normal.widened(points.bandwidth());
-        while let Some(&limit) = LEVELS.get(self.level) {
+        while let Some(&limit) = CONVEXITY_LIMITS.get(self.level) {
             let is_convex = self.level > 0;
             let mut second = wide.kron_identity::<D>(self.cached.take_buffer());
             let hessian = RotationHessian { scale: problem.scales.shape, limit };
@@ -317,7 +275,7 @@ impl<'a, const D: usize> Descent<'a, D> {
             }
             self.level += 1;
         }
-        self.level = LEVELS.len() - 1;
+        self.level = CONVEXITY_LIMITS.len() - 1;
         Ok(())
     }
 }

@@ -5,7 +5,8 @@
 //! derivative. In 2D the smallest cross product of two differences is therefore a bound, however the cell is rotated.
 
 use crate::lattice::{Grid, Support, rough_determinant};
-use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use crate::simd::dispatch;
+use crate::solve::linalg::simd::{LANES, Lanes, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::dot;
 use pulp::{Simd, WithSimd};
 

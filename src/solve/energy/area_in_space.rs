@@ -5,9 +5,10 @@
 use super::area::Area;
 use super::polar::{LaneMatrix, nearest_rotations};
 use super::rotation_response::{PacketResponse, RotationResponse};
+use crate::simd::dispatch;
 use crate::solve::blocked_weights::{Block, gather, gather_group, local_handles};
 use crate::solve::cancel::Cancel;
-use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use crate::solve::linalg::simd::{LANES, Lanes, load, multiply_add, store};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 

@@ -4,7 +4,8 @@
 
 use super::packets::{Ids, add_edge, best_rotations, points_of, rotations_of, slot_starts};
 use super::set_edges::SetEdge;
-use crate::solve::linalg::simd::{LANES, Lanes, add_multiple, dispatch, load, multiply_add, store};
+use crate::simd::dispatch;
+use crate::solve::linalg::simd::{LANES, Lanes, add_multiple, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, apply, dot, minus};
 use pulp::{Simd, WithSimd};
 

@@ -3,9 +3,10 @@
 //! In: rest points and a grid. Out: moved points, rows of W, products Wᵀ x.
 
 use crate::lattice::Grid;
+use crate::simd::dispatch;
 use crate::solve::blocked_weights::{BlockedWeights, add_sums, gather_group, local_handles, scatter_group};
 use crate::solve::cancel::Cancel;
-use crate::solve::linalg::simd::{LANES, dispatch, load, store};
+use crate::solve::linalg::simd::{LANES, load, store};
 use crate::solve::separable_weights::SeparableWeights;
 use pulp::{Simd, WithSimd};
 

@@ -5,7 +5,8 @@
 
 use super::mesh_edges::Edge;
 use super::packets::{Ids, add_edge, best_rotations, points_of, rotations_of, slot_starts};
-use crate::solve::linalg::simd::{LANES, Lanes, dispatch, load, multiply_add, store};
+use crate::simd::dispatch;
+use crate::solve::linalg::simd::{LANES, Lanes, load, multiply_add, store};
 use crate::solve::linalg::small_matrix::{SquareMatrix, apply, dot, minus};
 use pulp::{Simd, WithSimd};
 

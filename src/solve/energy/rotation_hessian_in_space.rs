@@ -6,11 +6,12 @@
 use super::Area;
 use super::distortion::RotationHessian;
 use super::rotation_response::SampleResponse;
+use crate::simd::dispatch;
 use crate::solve::blocked_weights::Block;
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
-use crate::solve::linalg::simd::{LANES, Lanes, dispatch, lane_of};
+use crate::solve::linalg::simd::{LANES, Lanes, lane_of};
 use crate::solve::linalg::small_matrix::SquareMatrix;
 use rayon::prelude::*;
 

@@ -3,8 +3,9 @@
 //! In: the lower half of a matrix by columns. Out: L in the same layout, and solutions for several right-hand sides.
 
 use super::band_storage::{PANEL, stride};
-use super::simd::{LANES, dispatch, store};
+use super::simd::{LANES, store};
 use super::syrk::PackedPanels;
+use crate::simd::dispatch;
 use crate::solve::cancel::{Cancel, WorkMeter};
 use pulp::{Simd, WithSimd};
 

@@ -4,9 +4,10 @@
 
 use super::band_storage::{padded_length, stride};
 use super::gram_matrix::GramMatrix;
-use super::simd::{LANES, dispatch, multiply_add, store};
+use super::simd::{LANES, multiply_add, store};
 use super::syrk;
 use super::syrk::SyrkRows;
+use crate::simd::dispatch;
 use crate::solve::cancel::Cancel;
 use faer::Mat;
 use pulp::{Simd, WithSimd};

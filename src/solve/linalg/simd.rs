@@ -1,8 +1,8 @@
-//! SIMD registers of four numbers: loads, stores, fused multiply-adds, and the choice of the instruction set. Crate pulp.
+//! SIMD registers of four numbers: loads, stores, fused multiply-adds. Crate pulp.
 //!
 //! All code paths use fused multiply-add, so results have the same bits on every processor.
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
 /// Number of rows that are computed together.
 pub(crate) const LANES: usize = 4;
@@ -10,21 +10,12 @@ pub(crate) const LANES: usize = 4;
 /// One number for each of four rows.
 pub(crate) type Lanes = [f64; LANES];
 
-/// Runs a kernel with AVX2 if the processor has it, else with scalar emulation of four lanes.
-pub(crate) fn dispatch<Op: WithSimd>(kernel: Op) -> Op::Output {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(simd) = pulp::x86::V3::try_new() {
-        return Simd::vectorize(simd, kernel);
-    }
-    Simd::vectorize(pulp::Scalar256b, kernel)
-}
-
 /// The matrix in one of four lanes.
 pub(crate) fn lane_of<const D: usize>(lanes: &[[Lanes; D]; D], lane: usize) -> [[f64; D]; D] {
     lanes.map(|row| row.map(|x| x[lane]))
 }
 
-/// Loads four numbers. Both instruction sets of [`dispatch`] have exactly four lanes.
+/// Loads four numbers. Both instruction sets of [`dispatch`](crate::simd::dispatch) have exactly four lanes.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(lanes: &Lanes) -> S::f64s {
     S::as_simd_f64s(lanes).0[0]

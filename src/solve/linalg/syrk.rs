@@ -3,7 +3,8 @@
 //! In: rows of a and b, one batch at a time. Out: the lower half of the product. a and b are never complete in memory: a batch
 //! stays in the second-level cache.
 
-use super::simd::{LANES, dispatch, load, multiply_add};
+use super::simd::{LANES, load, multiply_add};
+use crate::simd::dispatch;
 use crate::solve::cancel::{Cancel, WorkMeter};
 use pulp::{Simd, WithSimd};
 

@@ -14,9 +14,9 @@ use super::cancel::{Cancel, Cancelled};
 use super::error::SolveError;
 use super::minimization::{Energies, FinalPhase, Minimization, MinimizationResult};
 use super::prefactored::TargetTerms;
-use super::problem::{HandlePin, PointPin};
 use super::settings::{Settings, Start};
 use super::system::System;
+use super::targets::Targets;
 use side::Side;
 
 /// Mean ‖J − R‖² below which a shape counts as hardly deformed: none of 1,200 random problems had another minimum there.
@@ -72,11 +72,11 @@ impl<const D: usize> System<D> {
     pub(crate) fn leave_saddle(
         &self,
         followed: MinimizationResult<D>,
-        (pins, handles): (&[PointPin<D>], &[HandlePin<D>]),
+        targets: &Targets<D>,
         cancel: &Cancel,
     ) -> Result<MinimizationResult<D>, SolveError> {
-        let to = self.retargeted(pins, handles, cancel)?;
-        let targets = self.targets((pins, handles), &to);
+        let to = self.retargeted(targets, cancel)?;
+        let targets = self.targets(targets, &to);
         let minimization = self.minimization(&targets, cancel);
         let is_held = minimization.barrier.is_some_and(|barrier| !barrier.is_clear(&followed.handles));
         if !minimization.has_second_derivative() || is_held {

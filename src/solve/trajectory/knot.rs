@@ -90,7 +90,7 @@ impl<const D: usize> Knot<D> {
         let bare = Problem { grid: &grid, shape: &shape, pins, handles, settings };
         let system = System::with_points(&bare, &points, cancel)?;
         let is_resting = goal.are_at_rest(&grid);
-        let rigid = RigidMotion::fit_continuous(&grid, pins, handles);
+        let rigid = RigidMotion::fit_continuous(&grid, &goal);
         let images = |points: Vec<[f64; D]>| match is_resting {
             true => points,
             false => points.iter().map(|point| rigid.image(point)).collect(),

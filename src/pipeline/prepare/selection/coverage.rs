@@ -1,6 +1,6 @@
 //! Computes how much of every part a layer selects, before other layers take precedence.
 //!
-//! In: the resolved rules of a layer's selection. Out: a [`Coverage`] per part.
+//! In: the resolved rules of a layer's selection. Out: a [`PartCoverage`] per part.
 
 use super::feather::soften;
 use super::mesh_graph::MeshGraph;
@@ -14,7 +14,7 @@ const ROUNDING: f32 = 1e-4;
 
 /// How much of a part a layer selects.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Coverage {
+pub(super) enum PartCoverage {
     /// None of it.
     Nothing,
     /// All of it.
@@ -23,7 +23,7 @@ pub(super) enum Coverage {
     Vertices(Vec<f32>),
 }
 
-impl Coverage {
+impl PartCoverage {
     /// Whether nothing that is drawn is selected.
     pub(super) const fn is_nothing(&self) -> bool {
         matches!(self, Self::Nothing)
@@ -56,8 +56,8 @@ impl Coverage {
 
 /// Returns the selected share of every part, with borders softened within the meshes of each node. `width`: relative to
 /// the diagonal of a node's meshes.
-pub(super) fn named(scene: &Scene, parts: &[PosedPart], rules: &Rules, width: f64) -> Vec<Coverage> {
-    let mut named: Vec<Coverage> = parts.iter().map(|part| of_part(scene, part, rules)).collect();
+pub(super) fn named(scene: &Scene, parts: &[PosedPart], rules: &Rules, width: f64) -> Vec<PartCoverage> {
+    let mut named: Vec<PartCoverage> = parts.iter().map(|part| of_part(scene, part, rules)).collect();
     if rules.is_whole() {
         return named;
     }
@@ -72,29 +72,30 @@ pub(super) fn named(scene: &Scene, parts: &[PosedPart], rules: &Rules, width: f6
     named
 }
 
-fn of_part(scene: &Scene, part: &PosedPart, rules: &Rules) -> Coverage {
+fn of_part(scene: &Scene, part: &PosedPart, rules: &Rules) -> PartCoverage {
     let source = primitive(scene, part);
     if !rules.nodes.contains(&part.node) {
-        return Coverage::Nothing;
+        return PartCoverage::Nothing;
     }
     if rules.is_whole() {
-        return Coverage::All;
+        return PartCoverage::All;
     }
     let shares: Vec<f32> = (0..source.positions.len()).map(|vertex| rules.share(scene, part, vertex)).collect();
     if source.lines.is_empty() {
-        return Coverage::simplified(shares, source);
+        return PartCoverage::simplified(shares, source);
     }
     // A line has no width over which to blend: it belongs entirely to the side of its majority.
     let corners = || source.lines.iter().flatten();
     let sum: f32 = corners().map(|&corner| shares[corner as usize]).sum();
-    if 2.0 * sum >= corners().count() as f32 { Coverage::All } else { Coverage::Nothing }
+    if 2.0 * sum >= corners().count() as f32 { PartCoverage::All } else { PartCoverage::Nothing }
 }
 
 /// Softens the selection on the triangles of one node.
-fn soften_node(named: &mut [Coverage], primitives: &[&Primitive], width: f64) {
+fn soften_node(named: &mut [PartCoverage], primitives: &[&Primitive], width: f64) {
     let surfaces: Vec<usize> = (0..named.len()).filter(|&part| primitives[part].lines.is_empty()).collect();
-    let is_even =
-        surfaces.iter().all(|&part| !matches!(named[part], Coverage::Vertices(_)) && named[part] == named[surfaces[0]]);
+    let is_even = surfaces
+        .iter()
+        .all(|&part| !matches!(named[part], PartCoverage::Vertices(_)) && named[part] == named[surfaces[0]]);
     if is_even {
         return;
     }
@@ -111,6 +112,6 @@ fn soften_node(named: &mut [Coverage], primitives: &[&Primitive], width: f64) {
     let softened = soften(&graph, &means, (width * f64::from(graph.diagonal)) as f32);
     for (&part, joint_of) in surfaces.iter().zip(&graph.joint_of) {
         let share = |&joint: &u32| softened.get(joint as usize).copied().unwrap_or(0.0);
-        named[part] = Coverage::simplified(joint_of.iter().map(share).collect(), primitives[part]);
+        named[part] = PartCoverage::simplified(joint_of.iter().map(share).collect(), primitives[part]);
     }
 }

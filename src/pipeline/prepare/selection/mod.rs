@@ -21,7 +21,7 @@ use crate::pose::PosedPart;
 use crate::scene::Scene;
 use crate::screen::primitive;
 use crate::shot::{Selection, Shot};
-use coverage::Coverage;
+use coverage::PartCoverage;
 use rules::{RuleKeys, Rules};
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -37,11 +37,11 @@ pub(crate) struct Selected {
 
 /// Distributes all parts to the layers that select them.
 pub(crate) fn select(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<Selected, PipelineError> {
-    let (mut named, mut joints): (Vec<Vec<Coverage>>, Vec<_>) = (Vec::new(), Vec::new());
+    let (mut named, mut joints): (Vec<Vec<PartCoverage>>, Vec<_>) = (Vec::new(), Vec::new());
     for (index, layer) in shot.layers.iter().enumerate() {
         let rules = Rules::of(shot, index, scene, parts)?;
         let coverage = coverage::named(scene, parts, &rules, layer.selection.feather);
-        if coverage.iter().all(Coverage::is_nothing) {
+        if coverage.iter().all(PartCoverage::is_nothing) {
             return Err(names_nothing(shot, index));
         }
         named.push(coverage);

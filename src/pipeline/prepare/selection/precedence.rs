@@ -2,7 +2,7 @@
 //!
 //! In: how much of every part each layer selects. Out: the layers that move a part, with weights whose sum is at most 1.
 
-use super::coverage::Coverage;
+use super::coverage::PartCoverage;
 use super::shared_part::SharedPart;
 use crate::scene::Primitive;
 
@@ -16,18 +16,21 @@ pub(in crate::pipeline) enum PartLayers {
 }
 
 /// Returns the layers of a part. `named`: layers and their selection of the part, in order of decreasing precedence.
-pub(super) fn layers_of<'a>(named: impl Iterator<Item = (usize, &'a Coverage)>, primitive: &Primitive) -> PartLayers {
+pub(super) fn layers_of<'a>(
+    named: impl Iterator<Item = (usize, &'a PartCoverage)>,
+    primitive: &Primitive,
+) -> PartLayers {
     let mut left = vec![1.0_f32; primitive.positions.len()];
     let mut columns: Vec<(usize, Vec<f32>)> = Vec::new();
     for (layer, coverage) in named {
         match coverage {
-            Coverage::Nothing => {}
-            Coverage::All if columns.is_empty() => return PartLayers::Whole(Some(layer)),
-            Coverage::All => {
+            PartCoverage::Nothing => {}
+            PartCoverage::All if columns.is_empty() => return PartLayers::Whole(Some(layer)),
+            PartCoverage::All => {
                 columns.push((layer, left));
                 break;
             }
-            Coverage::Vertices(shares) => {
+            PartCoverage::Vertices(shares) => {
                 columns.push((layer, left.iter().zip(shares).map(|(left, share)| left * share).collect()));
                 left.iter_mut().zip(shares).for_each(|(left, share)| *left *= 1.0 - share);
             }
@@ -48,7 +51,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn layers(named: &[(usize, Coverage)]) -> PartLayers {
+    fn layers(named: &[(usize, PartCoverage)]) -> PartLayers {
         let primitive =
             Primitive { positions: vec![Vec3::ZERO; 4], triangles: vec![[0, 1, 2]], ..Primitive::default() };
         layers_of(named.iter().map(|(layer, coverage)| (*layer, coverage)), &primitive)
@@ -56,17 +59,17 @@ mod tests {
 
     #[test]
     fn who_comes_first_takes_it_all() {
-        let some = Coverage::Vertices(vec![0.5; 4]);
-        assert_eq!(layers(&[(2, Coverage::All), (0, some)]), PartLayers::Whole(Some(2)));
-        assert_eq!(layers(&[(2, Coverage::Nothing)]), PartLayers::Whole(None));
+        let some = PartCoverage::Vertices(vec![0.5; 4]);
+        assert_eq!(layers(&[(2, PartCoverage::All), (0, some)]), PartLayers::Whole(Some(2)));
+        assert_eq!(layers(&[(2, PartCoverage::Nothing)]), PartLayers::Whole(None));
     }
 
     #[test]
     fn what_is_taken_is_missing_elsewhere() {
         let named = [
-            (2, Coverage::Vertices(vec![1.0, 0.25, 0.0, 0.0])),
-            (1, Coverage::Vertices(vec![1.0, 0.5, 0.5, 0.0])),
-            (0, Coverage::All),
+            (2, PartCoverage::Vertices(vec![1.0, 0.25, 0.0, 0.0])),
+            (1, PartCoverage::Vertices(vec![1.0, 0.5, 0.5, 0.0])),
+            (0, PartCoverage::All),
         ];
         let PartLayers::Shared(part) = layers(&named) else { panic!("it is shared") };
         assert_eq!(part.layers, [0, 1, 2]);
@@ -78,7 +81,7 @@ mod tests {
 
     #[test]
     fn vertices_without_triangles_do_not_count() {
-        let named = [(1, Coverage::Vertices(vec![0.0, 0.0, 0.0, 1.0])), (0, Coverage::All)];
+        let named = [(1, PartCoverage::Vertices(vec![0.0, 0.0, 0.0, 1.0])), (0, PartCoverage::All)];
         assert_eq!(layers(&named), PartLayers::Whole(Some(0)));
     }
 }
