@@ -18,9 +18,11 @@ fn body_and_legs(x: f32, y: f32) -> f32 {
     f32::from(u8::from(is_body || is_leg || is_ear))
 }
 
-/// Pins: name, place, and how far it moves to the right in frames 1 and 2, pixels. In frame 1 the left leg moves further above, the right
-/// one below; in frame 2 the right one everywhere.
-const PINS: [(&str, [f64; 2], [f64; 2]); 6] = [
+/// Pins: name, place, and how far it moves to the right in frames 1 and 2, pixels.
+type Pins = [(&'static str, [f64; 2], [f64; 2]); 6];
+
+/// In frame 1 the left leg moves further above, the right one below; in frame 2 the right one everywhere.
+const PINS: Pins = [
     ("hips", [33.0, 8.0], [0.0, 0.0]),
     ("hip", [63.0, 8.0], [0.0, 0.0]),
     ("left thigh", [33.0, 31.0], [16.0, 12.0]),
@@ -29,8 +31,18 @@ const PINS: [(&str, [f64; 2], [f64; 2]); 6] = [
     ("right knee", [63.0, 42.0], [-22.0, -22.0]),
 ];
 
+/// Both legs are pulled equally far, the left one in frame 1 and the right one in frame 2.
+const EQUAL_PINS: Pins = [
+    ("hips", [33.0, 8.0], [0.0, 0.0]),
+    ("hip", [63.0, 8.0], [0.0, 0.0]),
+    ("left thigh", [33.0, 31.0], [20.0, 12.0]),
+    ("left knee", [33.0, 42.0], [20.0, 12.0]),
+    ("right thigh", [63.0, 31.0], [-12.0, -20.0]),
+    ("right knee", [63.0, 42.0], [-12.0, -20.0]),
+];
+
 /// The first two frames, and the notes about layers. `order`: a line for a pin.
-fn frames(order: (&str, &str)) -> (Vec<Frame>, Vec<String>) {
+fn frames(pins: Pins, order: (&str, &str)) -> (Vec<Frame>, Vec<String>) {
     let wall = Wall::new();
     wall.hang("legs.exr", SIZE, drawn(SIZE, "", body_and_legs));
     let pin = |(name, [x, y], [first, second]): (&str, [f64; 2], [f64; 2])| {
@@ -45,7 +57,7 @@ fn frames(order: (&str, &str)) -> (Vec<Frame>, Vec<String>) {
     let text = format!(
         "version = 1\nimage = 'legs.exr'\nshutter = {{ angle = 0 }}\n[[layer]]\nname = 'walker'\nlattice = {{ dims = [24, 28] }}\n\
          solve = {{ temporal = 0 }}\n{}",
-        PINS.map(pin).concat()
+        pins.map(pin).concat()
     );
     let prepared = PreparedShot::new(wall.shot(&text)).expect("the picture is there");
     let options = RenderOptions { frames: vec![1, 2], ..RenderOptions::default() };
@@ -76,10 +88,10 @@ fn crossing(left: &Frame, right: &Frame) -> Vec<(i32, i32)> {
 
 #[test]
 fn one_leg_is_in_front_all_over_a_crossing_and_in_all_frames() {
-    let ordered = |pin: &str| frames((pin, "order = 1"));
+    let ordered = |pin: &str| frames(PINS, (pin, "order = 1"));
     // A pin with an order decides for the whole crossing, also where other pins of its leg are nearer.
     let [(left, told_left), (right, told_right)] = ["left knee", "right knee"].map(ordered);
-    let (chosen, told) = frames(("", ""));
+    let (chosen, told) = frames(PINS, ("", ""));
     for frame in 0..2 {
         let crossing = crossing(&left[frame], &right[frame]);
         assert!(crossing.len() > 80, "frame {}: {} pixels cross", frame + 1, crossing.len());
@@ -100,4 +112,20 @@ fn one_leg_is_in_front_all_over_a_crossing_and_in_all_frames() {
         told.iter().all(|note| note.starts_with(wanted) && note.contains("'left ") && note.contains("`order`")),
         "{told:?}"
     );
+}
+
+#[test]
+fn what_is_chosen_by_motion_lasts_as_long_as_the_crossing() {
+    let ordered = |pin: &str| frames(EQUAL_PINS, (pin, "order = 1")).0;
+    let [left, right] = ["left knee", "right knee"].map(ordered);
+    let (chosen, _) = frames(EQUAL_PINS, ("", ""));
+    let front = [0, 1].map(|frame| {
+        let crossing = crossing(&left[frame], &right[frame]);
+        assert!(crossing.len() > 40, "frame {}: {} pixels cross", frame + 1, crossing.len());
+        let shown = |leg: usize| crossing.iter().filter(|&&(x, y)| leg_at(&chosen[frame], x, y) == Some(leg)).count();
+        let shown = [shown(0), shown(1)];
+        assert!(shown.contains(&0), "frame {}: {shown:?}", frame + 1);
+        usize::from(shown[1] > shown[0])
+    });
+    assert_eq!(front[0], front[1], "the legs cross in both frames");
 }

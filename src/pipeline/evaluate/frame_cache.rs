@@ -2,6 +2,7 @@
 //! the same bits.
 
 use super::followed_box::BoundsCache;
+use super::frame_crossings::CrossingCache;
 use crate::pipeline::TimeSample;
 use crate::pipeline::pictures::plate_drafts::PlateDrafts;
 use crate::pipeline::prepare::brush_strokes::StrokeCache;
@@ -24,6 +25,8 @@ pub(in crate::pipeline) struct FrameCache {
     pub(in crate::pipeline) screen_bounds: BoundsCache<2>,
     /// How much the camera changes the picture from a frame to the next.
     pub(in crate::pipeline) picture_changes: Mutex<HashMap<i32, f64>>,
+    /// Crossings of limbs in whole frames.
+    pub(in crate::pipeline) crossings: CrossingCache,
     /// Frames of the solve range that a cut of the camera follows, ascending.
     pub(in crate::pipeline) cuts: OnceLock<Vec<i32>>,
     /// The scene at rest, for what asks for it many times.

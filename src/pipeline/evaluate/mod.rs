@@ -4,8 +4,10 @@
 //! the meshes that are projected.
 
 pub(super) mod camera_cuts;
+mod crossing_times;
 pub(super) mod followed_box;
 pub(super) mod frame_cache;
+mod frame_crossings;
 pub(super) mod lattice_box;
 pub(super) mod layer_pins;
 pub(super) mod layer_solve;

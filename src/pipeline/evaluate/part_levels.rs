@@ -1,9 +1,9 @@
 //! Decides which of two limbs of a drawing lies in front where they cross.
 //!
 //! In: the crossings of a drawing's [`BranchedLattice`], the pins and their keys. Out: [`PartLevels`]. One decision holds for a whole
-//! crossing. It compares how far the pins of either limb are pulled anywhere in the shot, so it does not change while the limbs pass
-//! each other.
+//! crossing, and for all frames in which it lasts. It compares how far the pins of either limb are pulled anywhere in the shot.
 
+use super::crossing_times::CrossingTimes;
 use super::pin_places::pin_places;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::shot::{Goal, OffsetUnit, Pin, Source};
@@ -11,6 +11,10 @@ use crate::solve::{BranchedLattice, Crossing};
 
 /// A pin is of one limb and not of the other if it is this much nearer to it along the shape.
 const OF_LIMB: f64 = 0.85;
+
+/// A pin is of one limb only if it is at most so many times as far from it as the nearest pin is: what pulls the other arm is no pin of
+/// the chest.
+const BESIDE_NEAREST: f64 = 2.0;
 
 /// The levels of a layer's polygons.
 #[derive(Clone, Debug, Default)]
@@ -37,13 +41,16 @@ impl PartLevels {
         if crossings.is_empty() {
             return Self::default();
         }
+        let times = CrossingTimes { prepared, layer, now, branches };
         let pins = pin_places(prepared, layer, (now, branches));
         let places: Vec<_> = pins.iter().map(|pin| (pin.at, pin.triangle)).collect();
         let lengths = branches.lengths_along_shape(&places);
         let reach = |pin: usize, at: [f64; 2]| reach(&prepared.shot.layers[layer].pins[pin], at, branches);
         let reaches: Vec<f64> = pins.iter().map(|pin| reach(pin.pin, pin.at)).collect();
-        let fronts: Vec<(&Crossing, usize)> =
-            crossings.iter().map(|crossing| (crossing, front(crossing, (&lengths, &reaches)))).collect();
+        let front_of = |crossing: &Crossing| {
+            crossing.ordered.unwrap_or_else(|| front(&times.over_time(crossing), (&lengths, &reaches)))
+        };
+        let fronts: Vec<(&Crossing, usize)> = crossings.iter().map(|crossing| (crossing, front_of(crossing))).collect();
         let open = fronts.iter().filter(|(crossing, _)| crossing.ordered.is_none());
         let greatest = open.max_by_key(|(crossing, _)| crossing.area());
         let named = |&(crossing, front): &(&Crossing, usize)| {
@@ -57,14 +64,16 @@ impl PartLevels {
     }
 }
 
-/// Returns the side of a crossing that lies in front: that of the greater order, or else that whose own pins are pulled further, or of
-/// equal ones that of the smaller branches, or on one branch that which moves further now. `lengths`: distance of each pin from each piece, along the shape.
+/// Returns the side of a crossing that lies in front: that whose own pins are pulled further, or of equal ones that of the smaller
+/// branches, or on one branch that which moves further. `lengths`: distance of each pin from each piece, along the shape.
 fn front(crossing: &Crossing, (lengths, reaches): (&[Vec<f64>], &[f64])) -> usize {
-    if let Some(side) = crossing.ordered {
-        return side;
-    }
+    let length = |side: usize, lengths: &[f64]| crossing.mean(side, |piece| lengths[piece]);
     let own = |side: usize| {
-        let own = lengths.iter().zip(reaches).filter(|(lengths, _)| nearness(crossing, side, lengths) < OF_LIMB);
+        let nearest = lengths.iter().map(|lengths| length(side, lengths)).fold(f64::INFINITY, f64::min);
+        let is_own = |lengths: &[f64]| {
+            nearness(crossing, side, lengths) < OF_LIMB && length(side, lengths) <= BESIDE_NEAREST * nearest
+        };
+        let own = lengths.iter().zip(reaches).filter(|(lengths, _)| is_own(lengths));
         own.map(|(_, reach)| *reach).fold(0.0, f64::max)
     };
     match [own(0), own(1)] {

@@ -19,7 +19,12 @@ pub(in crate::pipeline) fn ordered_parts<'a>(
 ) -> Option<(&'a BranchedLattice<2>, &'a OrderedParts)> {
     let state = &now.layers[layer];
     let branches = state.solution.as_ref()?.branches.as_ref()?;
-    Some((branches, state.parts.get_or_init(|| OrderedParts::of(prepared, layer, (now, branches)))))
+    if let Some(parts) = state.parts.get() {
+        return Some((branches, parts));
+    }
+    // Decided outside of the cell: threads that wait for it could not help with what it takes.
+    let parts = OrderedParts::of(prepared, layer, (now, branches));
+    Some((branches, state.parts.get_or_init(|| parts)))
 }
 
 impl OrderedParts {

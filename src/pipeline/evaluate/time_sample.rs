@@ -45,6 +45,8 @@ pub struct LayerState {
     pub(crate) pins: Vec<PinState>,
     /// Positions of the layer's parts in the shape of a branching lattice; empty for layers that cannot branch.
     pub(in crate::pipeline) starts: Vec<PartTriangleRanges>,
+    /// Whether the layer is solved over time, and not this time alone.
+    pub(in crate::pipeline) is_on_trajectory: bool,
     /// Its parts, once something asked for them.
     pub(in crate::pipeline) parts: OnceLock<OrderedParts>,
 }

@@ -49,5 +49,5 @@ fn solve_on(
         let solver = Solver::new(&Problem { grid, shape: &shape, pins, handles, settings }).map_err(fault)?;
         fade(&mut solution, (&solver, pins), presence);
     }
-    Ok(LayerState { solution: Some(solution), pins: states, starts, ..LayerState::default() })
+    Ok(LayerState { solution: Some(solution), pins: states, starts, is_on_trajectory: true, ..LayerState::default() })
 }

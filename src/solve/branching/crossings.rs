@@ -10,6 +10,7 @@ use crate::lattice::Lattice;
 use crate::solve::linalg::small_matrix::distance;
 use crate::space::ScreenPoint;
 use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Samples along the shorter side of a cell at rest.
 const SAMPLES_PER_CELL: f64 = 8.0;
@@ -18,7 +19,7 @@ const SAMPLES_PER_CELL: f64 = 8.0;
 const MAX_SAMPLES: f64 = 2048.0;
 
 /// Area in samples below which two parts only touch.
-const MIN_AREA: u32 = 4;
+const MIN_AREA: u64 = 4;
 
 /// Number of levels above the lowest. Crossings that go round in a circle end at the highest.
 const MAX_LEVEL: u32 = 8;
@@ -31,7 +32,7 @@ const RIM: usize = 2;
 pub(crate) struct Crossing {
     /// The pieces that lie over each other, of the one and of the other side, with the number of samples that they share. A piece may
     /// be in several pairs.
-    pairs: Vec<([usize; 2], u32)>,
+    pairs: Vec<([usize; 2], u64)>,
     /// Mean distance that the surface moves, of each side.
     pub(crate) moved: [f64; 2],
     /// The side of the greater order, over most of the area; `None` if both are of one order.
@@ -43,23 +44,42 @@ pub(crate) struct Crossing {
 impl Crossing {
     /// The mean of a value of the pieces over the area of a side.
     pub(crate) fn mean(&self, side: usize, of_piece: impl Fn(usize) -> f64) -> f64 {
-        let sum: f64 = self.pairs.iter().map(|(pair, count)| f64::from(*count) * of_piece(pair[side])).sum();
-        sum / f64::from(self.area())
+        let sum: f64 = self.pairs.iter().map(|(pair, count)| *count as f64 * of_piece(pair[side])).sum();
+        sum / self.area() as f64
     }
 
     /// Its area in samples.
-    pub(crate) fn area(&self) -> u32 {
+    pub(crate) fn area(&self) -> u64 {
         self.pairs.iter().map(|(_, count)| count).sum()
     }
 
     /// The side on which a value of the pieces is greater over most of the area.
     fn greater<V: Ord>(&self, of_piece: impl Fn(usize) -> V) -> Option<usize> {
-        let excess = |(pair, count): &([usize; 2], u32)| {
+        let excess = |(pair, count): &([usize; 2], u64)| {
             let [one, other] = pair.map(&of_piece);
-            i64::from(*count) * one.cmp(&other) as i64
+            *count as i64 * one.cmp(&other) as i64
         };
         let excess: i64 = self.pairs.iter().map(excess).sum();
         (excess != 0).then_some(usize::from(excess < 0))
+    }
+
+    /// The same crossing with its sides exchanged.
+    #[must_use]
+    pub(crate) fn swapped(self) -> Self {
+        let Self { pairs, moved: [a, b], ordered, smaller } = self;
+        let pairs = pairs.into_iter().map(|([a, b], count)| ([b, a], count)).collect();
+        let [ordered, smaller] = [ordered, smaller].map(|side| side.map(|side| 1 - side));
+        Self { pairs, moved: [b, a], ordered, smaller }
+    }
+
+    /// Whether the sides of this crossing are the other way round than those of one that is the same; `None` if it is another one.
+    /// `near`: [`BranchedLattice::near_pairs`] of the other.
+    pub(crate) fn is_swapped_near(&self, near: &BTreeSet<[usize; 2]>) -> Option<bool> {
+        let areas = [false, true].map(|is_swapped| {
+            let is_near = |&([a, b], _): &([usize; 2], u64)| near.contains(&if is_swapped { [b, a] } else { [a, b] });
+            self.pairs.iter().copied().filter(is_near).map(|(_, count)| count).sum::<u64>()
+        });
+        (areas != [0, 0]).then_some(areas[1] > areas[0])
     }
 }
 
@@ -87,6 +107,46 @@ impl BranchedLattice<2> {
         };
         let found = connected(&pairs, &beside).into_iter().map(crossing);
         found.filter(|crossing| crossing.area() >= MIN_AREA).collect()
+    }
+
+    /// All pairs of pieces that lie beside those of a crossing, on either side.
+    pub(crate) fn near_pairs(&self, crossing: &Crossing) -> BTreeSet<[usize; 2]> {
+        let pieces: BTreeSet<usize> = crossing.pairs.iter().flat_map(|(pair, _)| *pair).collect();
+        let beside: BTreeMap<usize, Vec<usize>> =
+            pieces.into_iter().map(|piece| (piece, self.branching.beside(piece))).collect();
+        let near = |&([a, b], _): &([usize; 2], u64)| {
+            beside[&a].iter().flat_map(|&one| beside[&b].iter().map(move |&other| [one, other])).collect::<Vec<_>>()
+        };
+        crossing.pairs.iter().flat_map(near).collect()
+    }
+
+    /// Joins crossings of several times, each with whether its sides are exchanged, to one over all of them.
+    ///
+    /// # Panics
+    /// If there are none.
+    pub(crate) fn joined_crossing(&self, parts: &[(&Crossing, bool)]) -> Crossing {
+        let mut pairs: BTreeMap<[usize; 2], u64> = BTreeMap::new();
+        let (mut moved, mut area) = ([0.0; 2], 0);
+        for &(crossing, is_swapped) in parts {
+            let crossing = if is_swapped { crossing.clone().swapped() } else { crossing.clone() };
+            crossing.pairs.iter().for_each(|(pair, count)| *pairs.entry(*pair).or_insert(0) += count);
+            (0..2).for_each(|side| moved[side] += crossing.area() as f64 * crossing.moved[side]);
+            area += crossing.area();
+        }
+        assert!(area > 0, "a crossing has an area");
+        let moved = moved.map(|sum| sum / area as f64);
+        let mut joined = Crossing { pairs: pairs.into_iter().collect(), moved, ordered: None, smaller: None };
+        joined.smaller = joined.greater(|piece| self.branching.branch_of[piece]);
+        joined
+    }
+
+    /// A digest of the pieces; lattices with the same one have the same pieces.
+    pub(crate) fn digest_of_pieces(&self) -> u64 {
+        let Branching { grid, pieces, branch_of, .. } = self.branching.as_ref();
+        let mut hasher = DefaultHasher::new();
+        let box_bits = [grid.lo, grid.hi].map(|corner| corner.map(f64::to_bits));
+        (grid.dims, box_bits, &pieces.of_cuts, branch_of).hash(&mut hasher);
+        hasher.finish()
     }
 
     /// Returns a level for every polygon, in the order of [`Self::pieces`]: of what has one order, the higher level lies in front, and
@@ -210,7 +270,7 @@ impl Branching<2> {
 
 /// Returns the pairs of pieces that have samples in common and are not beside each other at rest, the smaller piece first, with the
 /// number of these samples.
-fn pairs(samples: &[(usize, usize)], beside: &BTreeMap<usize, Vec<usize>>) -> BTreeMap<[usize; 2], u32> {
+fn pairs(samples: &[(usize, usize)], beside: &BTreeMap<usize, Vec<usize>>) -> BTreeMap<[usize; 2], u64> {
     let mut pairs = BTreeMap::new();
     for here in samples.chunk_by(|a, b| a.0 == b.0) {
         for (index, &(_, one)) in here.iter().enumerate() {
@@ -222,7 +282,7 @@ fn pairs(samples: &[(usize, usize)], beside: &BTreeMap<usize, Vec<usize>>) -> BT
 }
 
 /// Groups pairs whose pieces are beside each other on both sides.
-fn connected(pairs: &BTreeMap<[usize; 2], u32>, beside: &BTreeMap<usize, Vec<usize>>) -> Vec<Vec<([usize; 2], u32)>> {
+fn connected(pairs: &BTreeMap<[usize; 2], u64>, beside: &BTreeMap<usize, Vec<usize>>) -> Vec<Vec<([usize; 2], u64)>> {
     let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
     let mut seen: BTreeSet<[usize; 2]> = BTreeSet::new();
     let mut groups = Vec::new();
