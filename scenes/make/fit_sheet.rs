@@ -7,7 +7,7 @@ use pinwarp::image::{Canvas, Preview, Rgba8, read_picture};
 use pinwarp::lattice::Basis;
 use pinwarp::pipeline::{picture_shape, register};
 use pinwarp::shot::{Shot, Transfer, TransferFit};
-use pinwarp::space::{ImagePoint, ScreenPoint};
+use pinwarp::space::{FrameWindow, ImagePoint, ScreenPoint};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -89,7 +89,7 @@ fn fit(picture: &Path, file: &Path) -> anyhow::Result<()> {
     let size = plate.frame_size();
     let part = plate.parts.first().context("the cat is a picture")?;
     let alpha = part.channel("A").map(|channel| channel.samples.as_slice());
-    let shape = picture_shape(picture, (size, part.data_window), alpha)?;
+    let shape = picture_shape(picture, FrameWindow { frame: size, window: part.data_window }, alpha)?;
     let place = |[x, y]: [f64; 2]| -> ScreenPoint { size.screen_from_image(ImagePoint::new(x, y)) };
     let pairs: Vec<_> = PAIRS.iter().map(|&(_, from, to)| [place(from), place(to)]).collect();
     let found = register(&shape, &pairs, [10, 10], Basis::Bspline)?;
