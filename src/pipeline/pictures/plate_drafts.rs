@@ -2,23 +2,20 @@
 //!
 //! In: the file of a plate, the sizes of the frame and of the draft. Out: a [`Plate`].
 
+use super::recent::Recent;
 use crate::image::{Channel, Frame, ImageError, Plate, read_any};
 use crate::plate::{Planes, scaled};
 use crate::space::FrameSize;
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::SystemTime;
-
-/// Number of plates that are kept: the sizes between which drafts of a frame change.
-const KEPT: usize = 3;
 
 /// Channels that viewers show.
 const SHOWN: [&str; 4] = ["R", "G", "B", "A"];
 
 /// The most recent plates.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct PlateDrafts(Mutex<VecDeque<(Key, Arc<Plate>)>>);
+pub(in crate::pipeline) struct PlateDrafts(Recent<Key, Plate>);
 
 /// A file as it was read, and the sizes of frame and draft.
 #[derive(Debug, PartialEq)]
@@ -43,17 +40,7 @@ impl PlateDrafts {
         let written = file.as_ref().and_then(|file| file.modified().ok());
         let bytes = file.map(|file| file.len());
         let key = Key { path: path.to_owned(), written, bytes, sizes: [frame, draft] };
-        let known = |kept: &VecDeque<(Key, Arc<Plate>)>| {
-            kept.iter().find(|(other, _)| *other == key).map(|(_, plate)| Arc::clone(plate))
-        };
-        if let Some(plate) = known(&self.0.lock().unwrap_or_else(PoisonError::into_inner)) {
-            return Ok(plate);
-        }
-        let plate = Arc::new(shown(read_any(path)?, [frame, draft]));
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.truncate(KEPT - 1);
-        kept.push_front((key, Arc::clone(&plate)));
-        Ok(plate)
+        self.0.try_of(key, || Ok(shown(read_any(path)?, [frame, draft])))
     }
 }
 
