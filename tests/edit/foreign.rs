@@ -1,7 +1,9 @@
 //! Files that the editor did not make: models of others, pictures, plates, lattices in the scene, broken shots.
 
 use super::assets;
+use super::seen::texts;
 use super::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
+use super::window::window;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
@@ -192,6 +194,16 @@ fn a_draft_of_a_plate_is_as_small_as_wanted_and_shows_the_file_as_it_is() {
     black.rgba.as_chunks_mut::<4>().0.fill([0, 0, 0, 255]);
     write_png(&plate, &black).expect("written");
     assert_eq!(draft(&prepared, [96, 54]), [0, 0, 0, 255].repeat(96 * 54));
+}
+
+#[test]
+fn the_start_page_names_all_that_may_be_dropped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let start = window(folder.path(), None);
+    for words in [".glb", ".gltf", "picture", "plates", ".exr", ".png", ".jpg", ".toml", ".json"] {
+        let is_there = texts(&start).iter().any(|text| text.starts_with("or drop") && text.contains(words));
+        assert!(is_there, "{words}: {:?}", texts(&start));
+    }
 }
 
 #[test]
