@@ -47,17 +47,16 @@ fn scenes() {
     work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
 }
 
-/// The puppet, whose picture is drawn by warping it, and a plate of one frame.
+/// A plate of one frame, and the puppet, which is a drawing.
 #[test]
 #[ignore = "measures, and needs a quiet machine"]
 fn drawings_and_plates() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let puppet = root.join("scenes/puppet/shot.toml");
-    measure("puppet, a drawing of 640 x 960", || Document::open(&puppet).expect("a shot"));
     let folder = tempfile::tempdir().expect("a folder");
     write_plate(&folder.path().join("plate.0001.exr"), &plate(FrameSize::new(1920, 1080))).expect("written");
     let plates = folder.path().join("plate.####.exr");
     measure("plate, 1920 x 1080", || open(&plates, FileAccess::SceneFolder).expect("plates"));
+    let puppet = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml");
+    measure("puppet, a drawing of 640 x 960", || Document::open(&puppet).expect("a shot"));
 }
 
 /// Models of a million vertices: one that moves as a whole, as text, and one that joints bend, binary.
