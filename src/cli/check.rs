@@ -3,12 +3,13 @@
 //! In: a shot and frames. Out: notes, warnings and the worst figures of each layer on standard output.
 
 use super::args::CheckArgs;
+use super::layer_notes::LayerNotes;
 use super::outcome::Outcome;
 use super::warnings::Warnings;
 use crate::image::SequencePath;
 use crate::pipeline::{Jerk, JerkMeter, Keeping, LayerReport, PreparedShot, report};
 use crate::spelling::pluralised;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// Explains the jerk figures.
@@ -67,17 +68,15 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     let mut peaks: BTreeMap<String, Peaks> = BTreeMap::new();
     let mut jerk = JerkMeter::default();
     let mut warnings = Warnings::default();
-    let mut noted = BTreeSet::new();
+    let mut notes = LayerNotes::default();
     for &frame in &frames {
         match prepared.mid_exposure(frame) {
             Ok(sample) => {
                 let mut report = report(&prepared, frame, &sample);
                 jerk.watch(&prepared, &sample, &mut report);
                 report.warnings.iter().for_each(|warning| warnings.add(frame, warning));
-                for note in report.notes {
-                    if noted.insert(note.layer) {
-                        writeln!(out, "note: {}", note.text)?;
-                    }
+                for line in notes.new_lines(&report.notes) {
+                    writeln!(out, "{line}")?;
                 }
                 for layer in report.layers {
                     peaks.entry(layer.layer.clone()).or_default().add(frame, &layer);

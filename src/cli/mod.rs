@@ -22,6 +22,7 @@ mod fit;
 mod frames;
 mod info;
 mod job;
+mod layer_notes;
 mod man;
 mod new;
 mod outcome;

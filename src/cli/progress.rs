@@ -2,6 +2,7 @@
 //!
 //! In: events, from several threads. Out: lines on standard error; with `--json` on standard output.
 
+use super::layer_notes::LayerNotes;
 use super::outcome::OutputCutOff;
 use super::warnings::kind_of;
 use crate::pipeline::{BakeEvent, BakeSummary, BakedLayer, Event, LayerNote, Summary, WarpEvent, WarpSummary};
@@ -9,7 +10,7 @@ use crate::solve::Spread;
 use crate::spelling::pluralised;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -36,8 +37,7 @@ pub(super) struct EventPrinter {
     bar: ProgressBar,
     begun: Instant,
     printed: Mutex<BTreeMap<String, usize>>,
-    /// The layers of which a note was printed.
-    noted: Mutex<BTreeSet<String>>,
+    notes: Mutex<LayerNotes>,
     /// The first error of printing JSON.
     failed: Mutex<Option<io::Error>>,
 }
@@ -58,7 +58,7 @@ impl EventPrinter {
             bar,
             begun: Instant::now(),
             printed: Mutex::default(),
-            noted: Mutex::default(),
+            notes: Mutex::default(),
             failed: Mutex::default(),
         }
     }
@@ -163,12 +163,8 @@ impl EventPrinter {
 
     /// Prints the first note of each layer.
     fn notes(&self, notes: &[LayerNote]) {
-        for LayerNote { layer, text } in notes {
-            let is_new = self.noted.lock().unwrap_or_else(PoisonError::into_inner).insert(layer.clone());
-            if is_new {
-                self.line(&format!("note: {text}"));
-            }
-        }
+        let lines = self.notes.lock().unwrap_or_else(PoisonError::into_inner).new_lines(notes);
+        lines.iter().for_each(|line| self.line(line));
     }
 
     fn frame_failed(&self, frame: i32, error: &str) {

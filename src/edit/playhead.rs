@@ -79,11 +79,16 @@ impl Playhead {
         self.playing = None;
     }
 
-    /// Moves by a number of frames, wrapping around within the playback range, and stops playback.
+    /// Moves by a number of frames, wrapping around within the playback range, and stops playback. From outside the range it goes to
+    /// the first frame of it, or backwards to the last.
     pub(crate) fn step(&mut self, by: i32) {
         let [first, last] = self.range();
         let count = (last - first + 1).max(1);
-        let frame = first + (self.frame - first + by).rem_euclid(count);
+        let frame = match (first..=last).contains(&self.frame) {
+            true => first + (self.frame - first + by).rem_euclid(count),
+            false if by > 0 => first,
+            false => last,
+        };
         self.go(frame);
     }
 
@@ -113,7 +118,7 @@ impl Playhead {
                 first + ((i64::from(from - first) + passed).rem_euclid(count)) as i32
             }
             Pace::EveryFrame if is_ready && (now_secs - since) * self.rate >= 1.0 => {
-                let next = if self.frame >= last { first } else { self.frame + 1 };
+                let next = if (first..last).contains(&self.frame) { self.frame + 1 } else { first };
                 self.playing = Some((now_secs, next));
                 next
             }
@@ -165,5 +170,42 @@ mod tests {
         assert!(!playhead.tick(5.01, true), "no faster than the shot");
         playhead.step(-1);
         assert_eq!((playhead.frame(), playhead.is_playing()), (12, false));
+    }
+
+    #[test]
+    fn playback_from_outside_the_range_stays_within_it() {
+        for (pace, outside) in [Pace::RealTime, Pace::EveryFrame].into_iter().flat_map(|pace| [(pace, 1), (pace, 48)]) {
+            let mut playhead = playhead();
+            playhead.pace = pace;
+            playhead.set_range(Some([10, 12]));
+            playhead.go(outside);
+            playhead.toggle(0.0);
+            for passed in 1..8 {
+                assert!(playhead.tick(0.05 * f64::from(passed), true));
+                assert!((10..=12).contains(&playhead.frame()), "{pace:?} from {outside}: {}", playhead.frame());
+            }
+        }
+    }
+
+    #[test]
+    fn steps_from_outside_the_range_enter_it_at_an_end() {
+        for (outside, by, end) in [(1, 1, 10), (1, -1, 12), (48, 1, 10), (48, -1, 12)] {
+            let mut playhead = playhead();
+            playhead.set_range(Some([10, 12]));
+            playhead.go(outside);
+            playhead.step(by);
+            assert_eq!(playhead.frame(), end, "from {outside} by {by}");
+        }
+    }
+
+    #[test]
+    fn a_shot_that_becomes_shorter_keeps_the_playhead_and_the_range_within_it() {
+        let mut playhead = playhead();
+        playhead.set_range(Some([30, 40]));
+        playhead.go(48);
+        playhead.follow(&FrameRange { first: 5, last: 20, rate: 24.0, clip_start: 1 });
+        assert_eq!((playhead.frame(), playhead.range(), playhead.has_range()), (20, [5, 20], false));
+        playhead.follow(&FrameRange { first: 30, last: 60, rate: 24.0, clip_start: 1 });
+        assert_eq!(playhead.frame(), 30);
     }
 }

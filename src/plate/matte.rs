@@ -10,6 +10,7 @@ use crate::image::Storage;
 use crate::image::cryptomatte::{Manifest, MatteId, MatteLayer};
 use crate::space::PixelRect;
 use crate::spelling;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// The pixels of one view at which a matte is evaluated.
@@ -111,12 +112,16 @@ pub(super) fn check_matte(table: &ChannelTable, layer: &str, matte: &Matte) -> R
     }
 }
 
-/// Divides by the alpha of the picture where it is known: coverage 0.3 of a pixel whose alpha is 0.3 is all of the pixel.
-fn of_picture(table: &ChannelTable, mut coverage: Vec<f32>, region: MatteRegion) -> Vec<f32> {
+/// Returns the alpha of the picture, #pixels of the window; `None` if it has none.
+pub(super) fn alpha_of_picture<'a>(table: &'a ChannelTable, region: MatteRegion) -> Option<Cow<'a, [f32]>> {
     let of_view = table.entries.iter().filter(|entry| entry.name.view.as_deref() == region.view);
     let mut colors = of_view.filter(|entry| entry.class.semantic == Semantic::Color);
-    if let Some(alpha) = colors.find_map(|entry| entry.alpha) {
-        let alpha = table.over(alpha, region.window, 0.0);
+    Some(table.over(colors.find_map(|entry| entry.alpha)?, region.window, 0.0))
+}
+
+/// Divides by the alpha of the picture where it is known: coverage 0.3 of a pixel whose alpha is 0.3 is all of the pixel.
+fn of_picture(table: &ChannelTable, mut coverage: Vec<f32>, region: MatteRegion) -> Vec<f32> {
+    if let Some(alpha) = alpha_of_picture(table, region) {
         let pixels = coverage.iter_mut().zip(alpha.iter()).filter(|(_, alpha)| **alpha > 0.0);
         pixels.for_each(|(coverage, alpha)| *coverage = (*coverage / alpha).min(1.0));
     }

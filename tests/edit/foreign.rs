@@ -1,11 +1,14 @@
 //! Files that the editor did not make: models of others, pictures, plates, lattices in the scene, broken shots.
 
 use super::assets;
+use super::seen::texts;
 use super::stage::{SHOT, Stage, TIMEOUT, at, place_pin, press, until};
+use super::window::window;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
-use pinwarp::image::{Preview, preview, write_png};
+use pinwarp::image::cryptomatte::{Manifest, MatteId};
+use pinwarp::image::{Channel, Plate, PlatePart, Preview, Storage, preview, write_plate, write_png};
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::DeviceChoice;
 use pinwarp::raster::geometry::KeptParts;
@@ -192,6 +195,66 @@ fn a_draft_of_a_plate_is_as_small_as_wanted_and_shows_the_file_as_it_is() {
     black.rgba.as_chunks_mut::<4>().0.fill([0, 0, 0, 255]);
     write_png(&plate, &black).expect("written");
     assert_eq!(draft(&prepared, [96, 54]), [0, 0, 0, 255].repeat(96 * 54));
+}
+
+/// A plate of the checkered picture whose middle is chosen by a painted mask and by a Cryptomatte, and the left of it by an id.
+fn matted_plate() -> Plate {
+    let (size, picture) = (FrameSize::new(192, 108), checkered(192, 108));
+    let channel = |name: &str, storage: Storage, sample: &dyn Fn(usize) -> f32| Channel {
+        name: name.into(),
+        storage,
+        samples: (0..size.window().area()).map(sample).collect(),
+    };
+    let is_middle = |place: usize| (50..150).contains(&(place % 192)) && (20..90).contains(&(place / 192));
+    let of_middle = |place: usize, value: f32| if is_middle(place) { value } else { 0.0 };
+    let mut channels: Vec<Channel> = ["R", "G", "B", "A"]
+        .into_iter()
+        .enumerate()
+        .map(|(k, name)| channel(name, Storage::Half, &|place| f32::from(picture.rgba[4 * place + k]) / 255.0))
+        .collect();
+    channels.push(channel("mask.Y", Storage::Half, &|place| of_middle(place, 1.0)));
+    let id = |place: usize| if is_middle(place) && place % 192 < 120 { 3 } else { 0 };
+    channels.push(channel("id.object", Storage::Uint, &|place| f32::from_bits(id(place))));
+    let body = MatteId::of_name("Body").sample();
+    channels.push(channel("CryptoObject00.R", Storage::Float, &|place| of_middle(place, body)));
+    channels.push(channel("CryptoObject00.G", Storage::Float, &|place| of_middle(place, 1.0)));
+    let mut part = PlatePart::new(size.window(), channels);
+    part.set_text("cryptomatte/7654321/name", "CryptoObject");
+    part.set_text("cryptomatte/7654321/manifest", &Manifest::of_names(["Body"]).to_json());
+    Plate::new(size.window(), 1.0, vec![part])
+}
+
+/// Each kind of matte: the draft is as small as wanted, the same in each size, and moves what the rendered frame moves.
+#[test]
+fn a_draft_of_a_plate_with_mattes_is_as_small_as_wanted_and_moves_what_they_choose() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_plate(&folder.path().join("plate.exr"), &matted_plate()).expect("written");
+    let shot = |matte: &str| {
+        let layer = BENT.replacen("name = 'all'", &format!("name = 'all'\nmatte = {matte}"), 1);
+        let text = format!("plate = 'plate.exr'\nsize = [192, 108]\n{layer}");
+        Shot::parse(&text, &folder.path().join("shot.toml")).expect("a shot")
+    };
+    let mut prepared = PreparedShot::new(shot("'none'")).expect("it loads");
+    for matte in ["channel = 'mask.Y'", "id = 'id.object', values = [3]", "cryptomatte = ['Body']"] {
+        // What is kept of the plate must be that of this matte.
+        prepared.shot = shot(&format!("{{ {matte} }}"));
+        assert_half_shows_the_same(&prepared);
+        let finished = prepared.finished(None, 1, &|| false).expect("drawn").expect("not cancelled");
+        let (finished, full) = (preview(&finished).rgba, draft(&prepared, [192, 108]));
+        let most = finished.iter().zip(&full).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(most <= Some(1), "{matte}: {most:?}");
+        assert!(finished.chunks_exact(4).any(|pixel| pixel[3] == 0), "{matte}: the rest stays");
+    }
+}
+
+#[test]
+fn the_start_page_names_all_that_may_be_dropped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let start = window(folder.path(), None);
+    for words in [".glb", ".gltf", "picture", "plates", ".exr", ".png", ".jpg", ".toml", ".json"] {
+        let is_there = texts(&start).iter().any(|text| text.starts_with("or drop") && text.contains(words));
+        assert!(is_there, "{words}: {:?}", texts(&start));
+    }
 }
 
 #[test]

@@ -2,16 +2,17 @@
 //! rest, memory after a long session.
 //!
 //! Run with `cargo test --release --lib -- --ignored --nocapture --test-threads=1 edit::latency`. In: the walker and the hare at 1080p;
-//! Knight.glb, if the shared assets are next to the repository or in PINWARP_SHARED; models of a million vertices. Out:
-//! printed lines.
+//! Knight.glb, if the shared assets are next to the repository or in PINWARP_SHARED; the puppet, which is a drawing; a plate
+//! at 1080p; models of a million vertices. Out: printed lines.
 
 use super::crowd;
 use super::endurance::resident_bytes;
 use super::tiny::{Tiny, grid};
 use pinwarp::edit::{Document, Held, Ring, Session, open};
+use pinwarp::image::{Channel, Frame, Plate, Storage, write_plate};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::scene::FileAccess;
-use pinwarp::space::ScreenPoint;
+use pinwarp::space::{FrameSize, ScreenPoint};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -46,6 +47,18 @@ fn scenes() {
     work("walker, 640 x 360", || Document::new(&walker, text.replace("1920, 1080", "640, 360")).expect("a shot"));
 }
 
+/// A plate of one frame, and the puppet, which is a drawing.
+#[test]
+#[ignore = "measures, and needs a quiet machine"]
+fn drawings_and_plates() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_plate(&folder.path().join("plate.0001.exr"), &plate(FrameSize::new(1920, 1080))).expect("written");
+    let plates = folder.path().join("plate.####.exr");
+    measure("plate, 1920 x 1080", || open(&plates, FileAccess::SceneFolder).expect("plates"));
+    let puppet = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet/shot.toml");
+    measure("puppet, a drawing of 640 x 960", || Document::open(&puppet).expect("a shot"));
+}
+
 /// Models of a million vertices: one that moves as a whole, as text, and one that joints bend, binary.
 #[test]
 #[ignore = "measures, and needs a quiet machine"]
@@ -57,6 +70,23 @@ fn large_models() {
     drag_at_once("a flat million vertices, 1920 x 1080", || open(&plane, FileAccess::SceneFolder).expect("a scene"));
     std::fs::write(&ball, crowd::ball(1000, 1000)).expect("written");
     drag_at_once("a bent million vertices, 1920 x 1080", || open(&ball, FileAccess::SceneFolder).expect("a scene"));
+}
+
+/// A plate in half floats: soft waves of colour, opaque.
+fn plate(size: FrameSize) -> Plate {
+    let window = size.window();
+    let wave = |name: &str, [across, up]: [f32; 2]| {
+        let sample = |index: usize| {
+            let [x, y] = window.pixel_at(index).map(|place| place as f32);
+            0.5 + 0.4 * (x * across).sin() * (y * up).cos()
+        };
+        let samples = (0..window.area()).map(sample).collect();
+        Channel { name: name.into(), storage: Storage::Half, samples }
+    };
+    let mut channels: Vec<Channel> =
+        [("R", [0.02, 0.03]), ("G", [0.11, 0.01]), ("B", [0.005, 0.2])].map(|(name, by)| wave(name, by)).into();
+    channels.push(Channel { name: "A".into(), storage: Storage::Half, samples: vec![1.0; window.area()] });
+    Plate::from_frame(Frame { display: window, data_window: window, pixel_aspect: size.pixel_aspect, channels })
 }
 
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {

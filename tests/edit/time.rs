@@ -1,14 +1,16 @@
 //! Playback, its range, and exposure in the real interface. The clock of the window is the test's own.
 
 use super::acts::{choose, click, drag, press};
-use super::seen::fills;
+use super::seen::{fills, segments};
 use super::stage::{PINS, Stage, until as until_known};
-use super::window::{Window, changes, opened_with, place, session, settled, until};
-use eframe::egui::{Color32, Key, Modifiers, Rect, ViewportId};
+use super::window::{Window, changes, opened_with, place, session, settled, until, window};
+use eframe::egui::{Color32, Key, Modifiers, Rect, Shape, ViewportId};
 use egui_kittest::kittest::Queryable;
+use pinwarp::edit::ui::Editor;
 use pinwarp::edit::{Channel, Document, Figure, RunState, Session};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::shot::Ease;
+use std::fs;
 use std::time::Duration;
 
 const RATE: f64 = 24.0;
@@ -176,4 +178,54 @@ fn frames_that_were_drawn_before_the_solve_over_time_are_reported_after_it() {
     session.toggle_play(0.0);
     until_known(&mut session, "all frames are reported", |session| session.reported() == [6, 6]);
     assert!(session.worst(Figure::PinError).is_some());
+}
+
+/// The texts and the ticks of the ruler, by their places.
+fn ruler_marks(window: &Window) -> (Rect, Vec<Rect>, Vec<f32>) {
+    let ruler: Rect = window.get_by_label("Frames").rect();
+    let shapes = window.output().shapes.iter().map(|clipped| &clipped.shape);
+    let texts = shapes.filter_map(|shape| match shape {
+        Shape::Text(text) => Some(text.visual_bounding_rect()).filter(|rect| ruler.contains(rect.center())),
+        _ => None,
+    });
+    let ticks = segments(window, 1.0).into_iter().map(|[from, to]| (from, to));
+    let ticks = ticks.filter(|(from, to)| from.x == to.x && ruler.contains(*from) && (to.y - from.y).abs() == 5.0);
+    (ruler, texts.collect(), ticks.map(|(from, _)| from.x).collect())
+}
+
+#[test]
+fn the_ruler_of_ten_thousand_frames_has_as_many_marks_as_there_is_room_for() {
+    let stage = Stage::with(PINS);
+    let text = fs::read_to_string(stage.shot()).expect("there").replace("last = 6", "last = 10000");
+    fs::write(stage.shot(), text).expect("written");
+    let mut window = window(&stage.state(), Some(&stage.shot()));
+    for frame in [1, 5000, 10_000] {
+        window.state_mut().as_mut().and_then(Editor::session_mut).expect("open").go(frame);
+        window.run_steps(2);
+        let (ruler, texts, ticks) = ruler_marks(&window);
+        let most = (ruler.width() / 60.0) as usize + 1;
+        assert!((5..=most).contains(&ticks.len()), "{ticks:?}");
+        // The frame that is seen is named, too.
+        assert_eq!(texts.len(), ticks.len() + 1);
+        assert!(ticks.windows(2).skip(1).all(|pair| pair[1] - pair[0] >= 60.0), "{ticks:?}");
+        assert!(texts.iter().all(|rect| ruler.expand(16.0).contains_rect(*rect)), "{texts:?}");
+        let heads = segments(&window, 1.5).into_iter().filter(|[from, to]| from.x == to.x);
+        assert!(heads.map(|[from, _]| from.x).all(|x| ruler.x_range().contains(x)));
+    }
+}
+
+#[test]
+fn a_shot_that_becomes_shorter_on_disk_keeps_the_playhead_in_the_ruler() {
+    let (stage, mut window) = opened_with(PINS);
+    click(&mut window, &["Last frame"]);
+    settled(&mut window);
+    let text = fs::read_to_string(stage.shot()).expect("there").replace("last = 6", "last = 3");
+    fs::write(stage.shot(), text).expect("written");
+    until(&mut window, "the last frame is shown", |window| frame(window) == 3);
+    settled(&mut window);
+    let ruler: Rect = window.get_by_label("Frames").rect();
+    let heads = segments(&window, 1.5).into_iter().filter(|[from, to]| from.x == to.x && ruler.contains(*from));
+    let heads: Vec<f32> = heads.map(|[from, _]| from.x).collect();
+    let middle_of_last = ruler.left() + 150.0 + (ruler.width() - 166.0) * 2.5 / 3.0;
+    assert!(heads.len() == 1 && (heads[0] - middle_of_last).abs() < 1.0, "{heads:?} instead of {middle_of_last}");
 }

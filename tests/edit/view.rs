@@ -6,7 +6,7 @@ use super::stage::{PINS, Stage};
 use super::window::{Window, changes, opened_with, place, pointer, session, settled};
 use super::window::{until, window};
 use eframe::egui::{
-    self, Color32, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Rect, TouchPhase,
+    self, Color32, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Rect, Shape, TouchPhase,
 };
 use egui_kittest::kittest::Queryable;
 use pinwarp::image::{Preview, write_png};
@@ -254,6 +254,48 @@ fn lattices_handles_and_names_are_switched() {
     let before = names(&window);
     click(&mut window, &["View", "Names of pins"]);
     assert_eq!(names(&window), before - 1, "not beside the pin");
+}
+
+/// The names beside pins of a heap, by their places.
+fn heaped_names(window: &Window) -> Vec<(String, Rect)> {
+    let name = |shape: &Shape| {
+        let Shape::Text(text) = shape else { return None };
+        let (name, rect) = (text.galley.text(), text.visual_bounding_rect());
+        (name.starts_with("heap") && viewport(window).contains_rect(rect)).then(|| (name.to_owned(), rect))
+    };
+    window.output().shapes.iter().filter_map(|clipped| name(&clipped.shape)).collect()
+}
+
+#[test]
+fn names_of_pins_in_a_heap_cover_nothing_and_those_that_are_wanted_are_there() {
+    let pin = |place: usize| {
+        let x = 0.4 + 0.01 * place as f64;
+        format!("[[layer.pin]]\nname = \"heap{place}\"\nanchor = {{ screen = [{x}, 0.5], frame = 1 }}\n")
+    };
+    let (_stage, mut window) = opened_with(&format!("coarse\n{}", (0..8).map(pin).collect::<String>()));
+    let assert_free = |window: &Window, count: std::ops::RangeInclusive<usize>| {
+        let names = heaped_names(window);
+        assert!(count.contains(&names.len()), "{names:?}");
+        for (index, (_, rect)) in names.iter().enumerate() {
+            assert!(names[..index].iter().all(|(_, other)| !other.intersects(*rect)), "{names:?}");
+            let pins = &session(window).marks()[0].pins;
+            assert!(pins.iter().all(|pin| !rect.contains(place(window, pin.target.0.x, pin.target.0.y))), "{names:?}");
+        }
+    };
+    assert_free(&window, 3..=6);
+    let named: Vec<String> = heaped_names(&window).into_iter().map(|(name, _)| name).collect();
+    let left_out = (0..8).find(|index| !named.contains(&format!("heap{index}"))).expect("there is no room for all");
+    let target = session(&window).marks()[0].pins[left_out].target.0;
+    let on_pin = place(&window, target.x, target.y);
+    pointer(&mut window, on_pin, None);
+    window.run_steps(2);
+    assert!(
+        heaped_names(&window).iter().any(|(name, _)| *name == format!("heap{left_out}")),
+        "it is under the pointer"
+    );
+    assert_free(&window, 3..=6);
+    press(&mut window, Modifiers::COMMAND, Key::A);
+    assert_free(&window, 8..=8);
 }
 
 #[test]

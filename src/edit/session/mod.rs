@@ -102,7 +102,7 @@ pub(crate) struct Session {
     current_solve: Option<Arc<SolvedFrame>>,
     figures: figures::Figures,
     loaded: Arc<Loaded>,
-    progress: Option<f64>,
+    progress: Option<(u64, f64)>,
     is_idle: bool,
     /// Whether replies are left unread, for a picture of the window that does not depend on when it is taken.
     is_held: bool,
@@ -234,8 +234,8 @@ impl Session {
 
     /// Returns the progress of the solve over time, 0 to 1; `None` if there is none to do.
     #[must_use]
-    pub(crate) const fn progress(&self) -> Option<f64> {
-        self.progress
+    pub(crate) fn progress(&self) -> Option<f64> {
+        self.progress.filter(|(revision, _)| *revision == self.revision).map(|(_, part)| part)
     }
 
     /// Returns whether the worker thread is idle.
@@ -330,7 +330,7 @@ impl Session {
             Reply::Picked(id, point) => self.picked(id, point),
             Reply::Brushed { id, point, mirrored } => self.brushed(id, point.map(|point| (point, mirrored))),
             Reply::Painted { revision, frame, triangles } => self.take_painted((revision, frame), triangles),
-            Reply::Progress(part) => self.progress = (part < 1.0).then_some(part),
+            Reply::Progress(revision, part) => self.progress = (part < 1.0).then_some((revision, part)),
             Reply::Failed(text) => {
                 self.fault = Some(text);
                 self.progress = None;
@@ -393,8 +393,7 @@ impl Session {
         self.pictures.clear();
         self.solves.clear();
         self.figures.clear();
-        // The solve over time begins anew, once the frame is drawn.
-        (self.before, self.fault, self.progress) = (None, None, None);
+        (self.before, self.fault) = (None, None);
     }
 
     /// Changes the document. An invalid change is reported and has no effect.

@@ -27,6 +27,7 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::edit::worker::Reply;
 
     #[test]
     fn plates_that_changed_clear_a_fault_and_are_drawn_again() {
@@ -37,6 +38,25 @@ mod tests {
         session.fault = Some("the plate is missing".into());
         session.plates_changed(&[[3, 3]]);
         assert!(session.fault().is_none() && session.revision > revision && !session.is_idle());
+    }
+
+    #[test]
+    fn the_progress_of_a_solve_that_is_overtaken_is_not_shown() {
+        let mut session = Session::of_text(
+            "plate = 'a.####.exr'\nsize = [96, 54]\nframes = { first = 1, last = 24 }\n[[layer]]\nname = 'all'\n",
+        );
+        let overtaken = session.revision;
+        session.take(Reply::Progress(overtaken, 0.4));
+        assert_eq!(session.progress(), Some(0.4));
+        session.plates_changed(&[[3, 3]]);
+        assert_eq!(session.progress(), None);
+        // What was sent before is read after it.
+        session.take(Reply::Progress(overtaken, 0.5));
+        assert_eq!(session.progress(), None);
+        session.take(Reply::Progress(session.revision, 0.1));
+        assert_eq!(session.progress(), Some(0.1));
+        session.frames_changed();
+        assert_eq!(session.progress(), None);
     }
 
     #[test]

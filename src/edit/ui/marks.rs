@@ -3,6 +3,7 @@
 //! In: a [`Session`], a [`Lens`]. Out: shapes.
 
 use super::over;
+use super::pin_names::{GAP, MARGIN, NamePlaces, PinName};
 use super::theme::heat;
 use crate::edit::{AxisRing, Lens, Session};
 use crate::pipeline::{LayerMarks, PinMark};
@@ -31,6 +32,8 @@ pub(super) struct Over<'a> {
     pub(super) lens: Lens,
     pub(super) painter: Painter,
     pub(super) origin: Pos2,
+    /// The pin under the pointer, by its layer and its index.
+    pub(super) hovered: Option<[usize; 2]>,
 }
 
 impl Over<'_> {
@@ -211,31 +214,29 @@ impl Over<'_> {
         }
     }
 
-    /// Draws names beside the pins of the selected layer, selected pins first; a name that would cover another moves to
-    /// the left or is omitted.
+    /// Draws names beside the pins of the selected layer, those of selected pins and of the one under the pointer first; others are
+    /// left out where there is no room.
     fn names(&self, marks: &[LayerMarks]) {
         let session = self.session;
         let Some(own) = marks.iter().find(|own| session.shown.names && own.layer == session.selection.layer) else {
             return;
         };
+        let is_seen = |pin: &&PinMark| self.painter.clip_rect().contains(self.at(pin.target));
+        let seen: Vec<&PinMark> = own.pins.iter().filter(is_seen).collect();
         let is_chosen = |pin: &PinMark| session.selection.pins.contains(&[own.layer, pin.pin]);
-        let (chosen, others): (Vec<&PinMark>, Vec<&PinMark>) = own.pins.iter().partition(|pin| is_chosen(pin));
-        let mut taken: Vec<Rect> = Vec::new();
-        for pin in chosen.into_iter().chain(others) {
+        let is_needed = |pin: &PinMark| is_chosen(pin) || self.hovered == Some([own.layer, pin.pin]);
+        let mut places = NamePlaces::among(seen.iter().map(|pin| self.at(pin.target)));
+        let (needed, others): (Vec<&PinMark>, Vec<&PinMark>) = seen.into_iter().partition(|pin| is_needed(pin));
+        for pin in needed.into_iter().chain(others) {
             let named = session.shot().layers.get(own.layer).and_then(|layer| layer.pins.get(pin.pin));
             let Some(named) = named else { continue };
             let color = if is_chosen(pin) { over::CHOSEN } else { Color32::from_gray(225) };
             let galley = self.painter.layout_no_wrap(named.name.clone(), FontId::proportional(12.0), color);
-            let beside = self.at(pin.target);
             let has_ring = session.selection.single_pin() == Some([own.layer, pin.pin]);
-            let far = vec2(if has_ring { RING + 12.0 } else { 10.0 }, 0.0);
-            let right = Align2::LEFT_CENTER.anchor_size(beside + far, galley.size());
-            let left = Align2::RIGHT_CENTER.anchor_size(beside - far, galley.size());
-            let is_free = |place: &Rect| taken.iter().all(|other| !other.intersects(place.expand2(vec2(3.0, 0.0))));
-            let free = [right, left].into_iter().find(is_free).or_else(|| is_chosen(pin).then_some(right));
-            let Some(place) = free else { continue };
-            taken.push(place.expand2(vec2(3.0, 1.0)));
-            self.painter.rect_filled(place.expand2(vec2(3.0, 1.0)), 3, Color32::from_black_alpha(120));
+            let gap = if has_ring { RING + 12.0 } else { GAP };
+            let (at, size, is_needed) = (self.at(pin.target), galley.size(), is_needed(pin));
+            let Some(place) = places.place(PinName { at, size, gap, is_needed }) else { continue };
+            self.painter.rect_filled(place.expand2(MARGIN), 3, Color32::from_black_alpha(120));
             self.painter.galley(place.min, galley, color);
         }
     }

@@ -34,6 +34,7 @@ mod pan;
 mod panel_edge;
 mod panels;
 mod picture_parts;
+mod pin_names;
 mod questions;
 mod references;
 mod screenshot;

@@ -6,6 +6,10 @@ use crate::edit::Unfinished;
 use eframe::egui::{self, Align2, FontId, RichText, Ui, vec2};
 use std::path::PathBuf;
 
+/// What may be dropped on the window.
+const DROPPED: &str =
+    "or drop a scene (.glb, .gltf), a picture or plates (.exr, .png, .jpg), a shot (.toml) or a problem (.json) here";
+
 /// The clicked entry.
 pub(super) enum StartAction {
     Open,
@@ -34,7 +38,7 @@ pub(super) fn show(ui: &mut Ui, left: &[Unfinished], fault: Option<&str>) -> Opt
                 action = Some(StartAction::Open);
             }
             ui.add_space(4.0);
-            ui.weak("or drop a scene (.glb, .gltf), a picture, a shot (.toml) or a problem (.json) on this window");
+            ui.weak(DROPPED);
             if let Some(fault) = fault {
                 ui.add_space(8.0);
                 ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));

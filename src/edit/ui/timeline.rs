@@ -8,8 +8,8 @@ use super::track_row::{self, Pen, Row};
 use super::transport::transport;
 use crate::edit::{Figure, Session, Track};
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui,
-    WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Response, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind,
+    Ui, WidgetInfo, pos2, vec2,
 };
 use std::collections::BTreeMap;
 
@@ -78,14 +78,9 @@ impl Timeline {
         );
         painter.rect_filled(range, 2, if session.playhead.has_range() { ACCENT } else { weak.gamma_multiply(0.4) });
         // Marks the frames that are cached and thus play immediately.
-        for frame in session.drawn_frames() {
-            let x = scale.x(f64::from(frame));
-            let half = (0.5 * scale.per_frame).max(0.5);
-            painter.rect_filled(
-                Rect::from_x_y_ranges(x - half..=x + half, rect.bottom() - 8.0..=rect.bottom() - 6.0),
-                0,
-                Color32::from_rgb(90, 160, 100),
-            );
+        for run in joined_runs(session.drawn_frames(), scale) {
+            let bar = Rect::from_x_y_ranges(run, rect.bottom() - 8.0..=rect.bottom() - 6.0);
+            painter.rect_filled(bar, 0, Color32::from_rgb(90, 160, 100));
         }
         let step = nice_step(60.0 / scale.per_frame);
         // The first frame, and multiples of the step.
@@ -230,4 +225,35 @@ fn mark_worst(ui: &Ui, session: &mut Session, (ruler, painter): (&Response, &Pai
 fn nice_step(least: f32) -> i32 {
     let steps = [1, 2, 4, 6, 12, 24, 48, 120, 240, 480, 1200, 2400, 4800, 12_000, 48_000, 240_000];
     steps.into_iter().find(|&step| step as f32 >= least).unwrap_or(1_000_000)
+}
+
+/// Returns where frames lie, in ascending order. Those that touch are one run, so that long shots have no more of them than points.
+fn joined_runs(frames: impl Iterator<Item = i32>, scale: FrameScale) -> Vec<Rangef> {
+    let half = (0.5 * scale.per_frame).max(0.5);
+    let mut runs: Vec<Rangef> = Vec::new();
+    for x in frames.map(|frame| scale.x(f64::from(frame))) {
+        match runs.last_mut() {
+            Some(run) if x - half <= run.max + 0.01 => run.max = x + half,
+            _ => runs.push(Rangef::new(x - half, x + half)),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawn_frames_of_a_long_shot_are_no_more_runs_than_points() {
+        let runs = |per_frame: f32, frames: &mut dyn Iterator<Item = i32>| {
+            joined_runs(frames, FrameScale { first: 1.0, left: 150.0, per_frame })
+        };
+        assert_eq!(runs(10.0, &mut [1, 2, 3, 7].into_iter()), [Rangef::new(150.0, 180.0), Rangef::new(210.0, 220.0)]);
+        assert_eq!(runs(0.1, &mut (1..=10_000)).len(), 1);
+        let odd = runs(0.1, &mut (1..=10_000).step_by(2));
+        assert!(odd.len() == 1 && (odd[0].span() - 1000.9).abs() < 0.5, "{odd:?}");
+        assert_eq!(runs(0.1, &mut (1..=10_000).step_by(20)).len(), 500);
+        assert!(runs(0.1, &mut std::iter::empty()).is_empty());
+    }
 }

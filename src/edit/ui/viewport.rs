@@ -113,7 +113,11 @@ pub(super) fn show(
     if is_brush || session.shown.painted {
         session.want_painted();
     }
-    let over = Over { session, lens, painter: painter.clone(), origin: rect.min };
+    let hovered = response.hover_pos().and_then(|at| {
+        let at = lens.screen_from_viewport(DVec2::new((at.x - rect.min.x).into(), (at.y - rect.min.y).into()));
+        session.pin_near(at, f64::from(REACH) / lens.frame_height()).map(|(pin, _)| pin)
+    });
+    let over = Over { session, lens, painter: painter.clone(), origin: rect.min, hovered };
     if (is_brush || session.shown.painted) && !session.shown.is_hidden {
         brush::painted(&painter, session, |point| over.at(point));
     }

@@ -254,10 +254,11 @@ impl FrameWorker {
         let Some(open) = &self.open else { return Ok(false) };
         let prepared = open.prepared();
         if !was_settled {
-            if !prepared.solve_trajectories(&is_stale, &|part| sender.send(Reply::Progress(part)))? {
+            let progress = |part: f64| sender.send(Reply::Progress(job.revision, part));
+            if !prepared.solve_trajectories(&is_stale, &progress)? {
                 return Ok(false);
             }
-            sender.send(Reply::Progress(1.0));
+            progress(1.0);
             let sample = prepared.mid_exposure(job.frame)?;
             self.seen = Some((job.frame, Arc::clone(&sample)));
             self.send_solved((job.frame, job.revision), (&sample, true), sender);

@@ -82,8 +82,8 @@ pub(in crate::edit) enum Reply {
     Brushed { id: u64, point: Option<BrushPoint>, mirrored: Option<PaintedPlace> },
     /// The painted triangles of a frame.
     Painted { revision: u64, frame: i32, triangles: Vec<StiffTriangle> },
-    /// Progress of the solve over time, 0 to 1.
-    Progress(f64),
+    /// Progress of the solve over time, 0 to 1, with the revision of the document.
+    Progress(u64, f64),
     /// A frame or the shot failed, with a message.
     Failed(String),
     /// There is no work left.

@@ -21,5 +21,6 @@ pub(in crate::pipeline) fn paint_draft(
     if gallery.frame == size {
         return Ok(Painter::new(gallery, prepared).draft(sample));
     }
-    Ok(Painter::new(&gallery.small.of(gallery, size), prepared).draft(sample))
+    let small = gallery.small.of(size, || gallery.scaled(size));
+    Ok(Painter::new(&small, prepared).draft(sample))
 }

@@ -11,6 +11,7 @@ mod frames;
 mod paint;
 pub(super) mod plate_drafts;
 mod read;
+mod recent;
 
 pub(super) use draft::paint_draft;
 pub(super) use drawing::{drawing_in, drawing_of};
@@ -23,8 +24,8 @@ use crate::scene::{Picture, Scene, picture_cards};
 use crate::shot::Shot;
 use crate::space::FrameSize;
 use read::FlatPicture;
+use recent::Recent;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// The pictures of a shot from back to front, one per node of its scene.
 #[derive(Clone, Debug)]
@@ -34,8 +35,8 @@ pub(super) struct Gallery {
     flat_pictures: Vec<FlatPicture>,
     /// Full float unless all pictures are half float.
     storage: Storage,
-    /// For drafts.
-    small: SmallGalleries,
+    /// The same pictures in the sizes of drafts.
+    small: Recent<FrameSize, Gallery>,
 }
 
 impl Gallery {
@@ -70,7 +71,7 @@ impl Gallery {
         scene.warnings.extend(left_out);
         let is_half = flat_pictures.iter().all(|flat_picture| flat_picture.storage == Storage::Half);
         let storage = if is_half { Storage::Half } else { Storage::Float };
-        let gallery = Self { frame, flat_pictures, storage, small: SmallGalleries::default() }.sized(shot.size);
+        let gallery = Self { frame, flat_pictures, storage, small: Recent::default() }.sized(shot.size);
         Ok((gallery, scene))
     }
 
@@ -83,36 +84,7 @@ impl Gallery {
     fn scaled(&self, size: FrameSize) -> Self {
         let flat_pictures =
             self.flat_pictures.iter().map(|flat_picture| flat_picture.scaled(self.frame, size)).collect();
-        Self { frame: size, flat_pictures, storage: self.storage, small: SmallGalleries::default() }
-    }
-}
-
-/// Number of sizes that are kept, as drafts adapt to the time they take.
-const SIZES: usize = 3;
-
-/// The pictures of a gallery in smaller sizes, once they are needed.
-#[derive(Debug, Default)]
-struct SmallGalleries(Mutex<Vec<Arc<Gallery>>>);
-
-impl Clone for SmallGalleries {
-    fn clone(&self) -> Self {
-        Self(Mutex::new(self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()))
-    }
-}
-
-impl SmallGalleries {
-    /// Returns the pictures of a gallery in another size.
-    fn of(&self, gallery: &Gallery, size: FrameSize) -> Arc<Gallery> {
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(small) = known.iter().find(|small| small.frame == size) {
-            return Arc::clone(small);
-        }
-        let small = Arc::new(gallery.scaled(size));
-        if known.len() == SIZES {
-            known.remove(0);
-        }
-        known.push(Arc::clone(&small));
-        small
+        Self { frame: size, flat_pictures, storage: self.storage, small: Recent::default() }
     }
 }
 

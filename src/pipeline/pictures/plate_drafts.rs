@@ -1,74 +1,92 @@
-//! Plates for quick drafts: decoded once, with the channels that viewers show, in the size of the draft.
+//! Plates for quick drafts: decoded once, with the channels that viewers show and the mattes of the layers, in the size of
+//! the draft.
 //!
-//! In: the file of a plate, the sizes of the frame and of the draft. Out: a [`Plate`].
+//! In: the file of a plate, its layers, the sizes of the frame and of the draft. Out: a [`PlateDraft`].
 
-use crate::image::{Channel, Frame, ImageError, Plate, read_any};
-use crate::plate::{Planes, scaled};
+use super::recent::Recent;
+use crate::image::{Channel, Frame, Plate, read_any};
+use crate::pipeline::PipelineError;
+use crate::plate::{LayerJob, Matte, Planes, Semantic, WarpSettings, scaled, scaled_matte};
 use crate::space::FrameSize;
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::SystemTime;
-
-/// Number of plates that are kept: the sizes between which drafts of a frame change.
-const KEPT: usize = 3;
 
 /// Channels that viewers show.
 const SHOWN: [&str; 4] = ["R", "G", "B", "A"];
 
+/// A plate in the size of a draft.
+#[derive(Debug)]
+pub(in crate::pipeline) struct PlateDraft {
+    pub(in crate::pipeline) plate: Plate,
+    /// The matte of each layer.
+    pub(in crate::pipeline) mattes: Vec<Option<Matte>>,
+}
+
 /// The most recent plates.
 #[derive(Debug, Default)]
-pub(in crate::pipeline) struct PlateDrafts(Mutex<VecDeque<(Key, Arc<Plate>)>>);
+pub(in crate::pipeline) struct PlateDrafts(Recent<Key, PlateDraft>);
 
-/// A file as it was read, and the sizes of frame and draft.
+/// What a draft depends on: a file as it was read, the sizes of frame and draft, the mattes and how channels are understood.
 #[derive(Debug, PartialEq)]
 struct Key {
     path: PathBuf,
     written: Option<SystemTime>,
     bytes: Option<u64>,
     sizes: [FrameSize; 2],
+    mattes: Vec<Option<Matte>>,
+    semantics: Vec<(String, Semantic)>,
 }
 
 impl PlateDrafts {
-    /// Returns a plate, smaller than its file by the ratio of the sizes of draft and frame.
+    /// Returns a plate and the mattes of its layers, smaller than the file by the ratio of the sizes of draft and frame.
     ///
     /// # Errors
-    /// [`ImageError`] if the file cannot be read.
+    /// [`PipelineError`] if the file cannot be read, or lacks what a matte refers to.
     pub(in crate::pipeline) fn of(
         &self,
         path: &Path,
+        (layers, settings): (&[LayerJob], &WarpSettings),
         [frame, draft]: [FrameSize; 2],
-    ) -> Result<Arc<Plate>, ImageError> {
+    ) -> Result<Arc<PlateDraft>, PipelineError> {
         let file = path.metadata().ok();
-        let written = file.as_ref().and_then(|file| file.modified().ok());
-        let bytes = file.map(|file| file.len());
-        let key = Key { path: path.to_owned(), written, bytes, sizes: [frame, draft] };
-        let known = |kept: &VecDeque<(Key, Arc<Plate>)>| {
-            kept.iter().find(|(other, _)| *other == key).map(|(_, plate)| Arc::clone(plate))
+        let key = Key {
+            path: path.to_owned(),
+            written: file.as_ref().and_then(|file| file.modified().ok()),
+            bytes: file.map(|file| file.len()),
+            sizes: [frame, draft],
+            mattes: layers.iter().map(|layer| layer.matte.clone()).collect(),
+            semantics: settings.semantics.clone(),
         };
-        if let Some(plate) = known(&self.0.lock().unwrap_or_else(PoisonError::into_inner)) {
-            return Ok(plate);
-        }
-        let plate = Arc::new(shown(read_any(path)?, [frame, draft]));
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.truncate(KEPT - 1);
-        kept.push_front((key, Arc::clone(&plate)));
-        Ok(plate)
+        self.0.try_of(key, || {
+            let plate = read_any(path)?;
+            let to = small_size(plate.frame_size(), [frame, draft]);
+            let matte = |layer: &LayerJob| {
+                let named = (layer.name.as_str(), layer.matte.as_ref()?);
+                Some(scaled_matte(&plate, named, settings, to))
+            };
+            let mattes = layers.iter().map(|layer| matte(layer).transpose()).collect::<Result<_, _>>()?;
+            Ok(PlateDraft { mattes, plate: shown(plate, to) })
+        })
     }
 }
 
-/// Returns the channels of a plate that viewers show, scaled by the ratio of two frame sizes.
-fn shown(plate: Plate, [frame, draft]: [FrameSize; 2]) -> Plate {
-    let from = plate.frame_size();
+/// Returns a plate's size, smaller by the ratio of two frame sizes.
+fn small_size(from: FrameSize, [frame, draft]: [FrameSize; 2]) -> FrameSize {
     let side = |own: u32, frame: u32, draft: u32| {
         let side = f64::from(own) * f64::from(draft) / f64::from(frame.max(1));
         (side.round() as u32).clamp(1, own.max(1))
     };
-    let to = FrameSize {
+    FrameSize {
         width: side(from.width, frame.width, draft.width),
         height: side(from.height, frame.height, draft.height),
         ..from
-    };
+    }
+}
+
+/// Returns the channels of a plate that viewers show, in another size.
+fn shown(plate: Plate, to: FrameSize) -> Plate {
+    let from = plate.frame_size();
     let mut whole = plate.into_frame();
     whole.channels.retain(|channel| SHOWN.contains(&&*channel.name));
     if to == from {

@@ -13,7 +13,7 @@ use crate::pipeline::pictures::{paint_draft, paint_frame};
 use crate::pipeline::trajectories::layer_timeline::Watcher;
 use crate::pipeline::trajectories::{facts, has_trajectory};
 use crate::pipeline::{LayerState, PipelineError, PreparedShot, TimeSample};
-use crate::plate::{LayerJob, Matte, PlateJob, warp_plate};
+use crate::plate::{LayerJob, PlateJob, warp_plate};
 use crate::raster::geometry::IsCancelled;
 use crate::raster::geometry::KeptParts;
 use crate::raster::{ChannelGroup, DeviceClass, Pass, PassRole, Raster, RasterError, Target};
@@ -191,17 +191,16 @@ impl PreparedShot {
     /// Returns the plate of a sample's frame, warped by its layers.
     fn warped_plate(&self, sample: &TimeSample) -> Result<Frame, PipelineError> {
         let Some(path) = self.plate_path(sample)? else { return Ok(self.blank()) };
-        self.warped(&read_any(&path)?, sample)
+        self.warped(&read_any(&path)?, self.layers_of_plate(sample))
     }
 
-    /// As [`Self::warped_plate`], smaller by as much as `size` is smaller than the shot, with the channels that are shown. Mattes need
-    /// all channels in their own size, except for alpha.
+    /// As [`Self::warped_plate`], smaller by as much as `size` is smaller than the shot, with the channels that are shown.
     fn warped_plate_draft(&self, sample: &TimeSample, size: FrameSize) -> Result<Frame, PipelineError> {
-        if self.shot.layers.iter().any(|layer| !matches!(layer.matte, None | Some(Matte::Alpha))) {
-            return self.warped_plate(sample);
-        }
         let Some(path) = self.plate_path(sample)? else { return Ok(self.blank()) };
-        self.warped(&*self.cache.plate_drafts.of(&path, [self.shot.size, size])?, sample)
+        let mut layers = self.layers_of_plate(sample);
+        let draft = self.cache.plate_drafts.of(&path, (&layers, &self.shot.warp), [self.shot.size, size])?;
+        layers.iter_mut().zip(&draft.mattes).for_each(|(layer, matte)| layer.matte.clone_from(matte));
+        self.warped(&draft.plate, layers)
     }
 
     /// Returns the file of the plate of a sample's frame; `None` if the shot has no plate.
@@ -211,9 +210,8 @@ impl PreparedShot {
         Ok(Some(SequencePath::of_input(pattern)?.path_of(frame)))
     }
 
-    /// Returns a plate, warped by the layers of a sample.
-    fn warped(&self, plate: &Plate, sample: &TimeSample) -> Result<Frame, PipelineError> {
-        let settings = self.shot.warp.in_pixels(plate.frame_size());
+    /// Returns the layers of a sample that move the plate.
+    fn layers_of_plate(&self, sample: &TimeSample) -> Vec<LayerJob> {
         let moved = self.shot.layers.iter().zip(&sample.layers).filter_map(|(layer, state)| {
             let field = state.field(layer.matte.is_none())?;
             Some(LayerJob {
@@ -225,7 +223,13 @@ impl PreparedShot {
                 front: None,
             })
         });
-        let job = PlateJob { layers: moved.collect(), settings: &settings, fill: None };
+        moved.collect()
+    }
+
+    /// Returns a plate, warped by layers.
+    fn warped(&self, plate: &Plate, layers: Vec<LayerJob>) -> Result<Frame, PipelineError> {
+        let settings = self.shot.warp.in_pixels(plate.frame_size());
+        let job = PlateJob { layers, settings: &settings, fill: None };
         Ok(warp_plate(plate, &job).map(|(plate, _): (Plate, _)| plate.into_frame())?)
     }
 
