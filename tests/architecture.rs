@@ -345,8 +345,9 @@ fn every_test_file_is_listed() {
 
 /// Paths in backticks that look like files of the repository.
 fn paths_in(text: &str) -> Vec<&str> {
+    let folders = ["src/", "shaders/", "scenes/", "tests/", "benches/", "docs/", ".ci/"];
     let is_path = |word: &&str| {
-        ["src/", "shaders/", "scenes/", "tests/", "benches/", "docs/"].iter().any(|folder| word.starts_with(folder))
+        (folders.iter().any(|folder| word.starts_with(folder)) || ["Cargo.toml", "README.md"].contains(word))
             && !word.contains(['*', '<', ' ', '#'])
     };
     text.split('`').skip(1).step_by(2).filter(is_path).collect()
