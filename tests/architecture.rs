@@ -363,7 +363,53 @@ fn documents_name_files_that_are_there() {
             assert!(Path::new(&root()).join(path).exists(), "{document} names {path}, which is not there");
         }
     }
-    assert_eq!(paths_in("see `src/x.rs` and `other`"), ["src/x.rs"]);
+    assert_eq!(paths_in("see `src/x.rs`, `.ci/y` and `other`"), ["src/x.rs", ".ci/y"]);
+}
+
+/// What pictures name that is no type of ours: programs and file formats.
+const NOT_TYPES: [&str; 5] = ["Nuke", "Blender", "After", "Effects", "STMap"];
+
+/// The pictures of a text: what stands between "```text" and "```".
+fn pictures(text: &str) -> Vec<String> {
+    let starts = text.split("```text\n").skip(1);
+    starts.filter_map(|rest| rest.split("```").next()).map(str::to_owned).collect()
+}
+
+/// Names of types in a picture.
+fn types_in(picture: &str) -> BTreeSet<&str> {
+    let words = picture.split(|c: char| !c.is_alphanumeric() && c != '_');
+    let is_type = |word: &&str| {
+        word.starts_with(|c: char| c.is_ascii_uppercase()) && word.contains(|c: char| c.is_ascii_lowercase())
+    };
+    words.filter(is_type).filter(|word| !NOT_TYPES.contains(word)).collect()
+}
+
+#[test]
+fn pictures_name_types_that_are_there() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).expect("part of the repository");
+    let page = pictures(&read("docs/ARCHITECTURE.md"));
+    let library: String = read("src/lib.rs")
+        .lines()
+        .filter_map(|line| line.strip_prefix("//!"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let library = pictures(&library.replace("\n ", "\n"));
+    let code: String = sources("src").into_iter().map(|(_, text)| text).collect();
+    let is_defined = |name: &str| {
+        let kinds = ["struct", "enum", "trait", "type"];
+        kinds.iter().any(|kind| {
+            let ends = |(at, found): (usize, &str)| {
+                !code[at + found.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_')
+            };
+            code.match_indices(&format!("{kind} {name}")).any(ends)
+        })
+    };
+    for picture in page.iter().chain(&library) {
+        let absent: Vec<&str> = types_in(picture).into_iter().filter(|name| !is_defined(name)).collect();
+        assert!(absent.is_empty(), "no type is called {absent:?}, which are in this picture:\n{picture}");
+    }
+    assert_eq!(library.first(), page.first(), "src/lib.rs and docs/ARCHITECTURE.md show the stages differently");
+    assert!(!is_defined("Embedding") && types_in("a.exr ─▶ Frame, Nuke").contains("Frame"));
 }
 
 #[test]
