@@ -14,6 +14,7 @@ mod farm;
 mod fills;
 mod fit;
 mod guard;
+mod help;
 mod hints;
 mod info;
 mod lattices;
