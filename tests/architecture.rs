@@ -343,6 +343,14 @@ fn every_test_file_is_listed() {
     assert_eq!(unlisted(&files, "path = \"tests/a.rs\"", "#[path = \"b/main.rs\"]"), ["tests/d.rs"]);
 }
 
+#[test]
+fn what_cannot_run_is_skipped_in_one_way() {
+    let word = concat!("SKIP", "PED");
+    for (file, text) in sources("tests").into_iter().chain(sources("src/raster")) {
+        assert!(file == "tests/support/skip.rs" || !text.contains(word), "{file} says {word}; call support/skip.rs");
+    }
+}
+
 /// Paths in backticks that look like files of the repository.
 fn paths_in(text: &str) -> Vec<&str> {
     let folders = ["src/", "shaders/", "scenes/", "tests/", "benches/", "docs/", ".ci/"];

@@ -49,6 +49,8 @@ mod robust;
 mod scene;
 #[path = "shot/main.rs"]
 mod shot;
+#[path = "support/skip.rs"]
+pub(crate) mod skip;
 #[path = "solver.rs"]
 mod solver;
 #[path = "solver_pins/main.rs"]

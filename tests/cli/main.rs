@@ -2,6 +2,8 @@
 
 #[path = "../support/python.rs"]
 mod python;
+#[path = "../support/skip.rs"]
+mod skip;
 #[path = "../support/tiny.rs"]
 mod tiny;
 
