@@ -254,6 +254,28 @@ fn a_forbidden_import_is_found() {
     assert!(forbidden("src/pose/a.rs", "// crate::cli is not known here\nuse crate::scene::Scene;").is_empty());
 }
 
+/// Names of fields and arguments that are transforms and do not say from where to where.
+fn unnamed_transforms(text: &str) -> Vec<String> {
+    let is_transform = |kind: &str| {
+        let kind = kind.trim_start_matches('&');
+        ["Mat4", "DMat4"].iter().any(|name| kind.strip_prefix(name).is_some_and(|rest| !rest.starts_with(':')))
+    };
+    let code: String = code_lines(text).collect::<Vec<_>>().join("\n");
+    let typed = code.match_indices(": ").filter(|(at, _)| is_transform(&code[at + 2..]));
+    let names = typed.filter_map(|(at, _)| code[..at].rsplit(|c: char| !c.is_alphanumeric() && c != '_').next());
+    names.filter(|name| !name.contains("_from_")).map(str::to_owned).collect()
+}
+
+#[test]
+fn transforms_are_named_by_target_and_source() {
+    for (file, text) in sources("src") {
+        // A helper for any matrix.
+        let unnamed: Vec<_> = unnamed_transforms(&text).into_iter().filter(|name| name != "matrix").collect();
+        assert!(unnamed.is_empty(), "{file}: {unnamed:?}; docs/CONVENTIONS.md names transforms target_from_source");
+    }
+    assert_eq!(unnamed_transforms("fn f(a_from_b: &DMat4, view: DMat4, at: Vec3)"), ["view"]);
+}
+
 /// Every place where a third-party crate is named outside its stage.
 fn strays(file: &str, text: &str) -> Vec<String> {
     let names = |line: &str, krate: &str| {
@@ -418,6 +440,27 @@ fn pictures_name_types_that_are_there() {
     }
     assert_eq!(library.first(), page.first(), "src/lib.rs and docs/ARCHITECTURE.md show the stages differently");
     assert!(!is_defined("Embedding") && types_in("a.exr ─▶ Frame, Nuke").contains("Frame"));
+}
+
+/// Rows of the page of conventions whose last column names no test, or one that its files do not have.
+fn unproved(page: &str, read: impl Fn(&str) -> String) -> Vec<String> {
+    let is_proved = |row: &&str| {
+        let cell = row.trim_end().trim_end_matches('|').rsplit(" | ").next().unwrap_or_default();
+        let (files, tests): (Vec<&str>, Vec<&str>) =
+            cell.split('`').skip(1).step_by(2).partition(|word| word.contains('/'));
+        let code: String = files.into_iter().map(&read).collect();
+        !tests.is_empty() && tests.iter().all(|test| code.contains(&format!("fn {test}(")))
+    };
+    let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| what |"));
+    rows.filter(|row| !is_proved(row)).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_convention_names_a_test_that_proves_it() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+    assert_eq!(unproved(&read("docs/CONVENTIONS.md"), read), [""; 0], "conventions without a test");
+    let page = "| a | `x/y` | `t` in `b/c.rs` |\n| d | e | `b/c.rs` |\n| f | g | – |\n| h | i | `u` in `b/c.rs` |";
+    assert_eq!(unproved(page, |_| "fn t() {}".into()).len(), 3);
 }
 
 #[test]
