@@ -463,6 +463,34 @@ fn every_convention_names_a_test_that_proves_it() {
     assert_eq!(unproved(page, |_| "fn t() {}".into()).len(), 3);
 }
 
+/// Versions of Rust in a text: 1.95 of "needs Rust 1.95.".
+fn rust_versions(text: &str) -> Vec<&str> {
+    let starts = text.match_indices("Rust 1.").map(|(at, _)| &text[at + "Rust ".len()..]);
+    let number = |rest: &'_ str| rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+    starts.map(|rest| rest[..number(rest)].trim_end_matches('.')).collect()
+}
+
+#[test]
+fn one_version_of_rust_is_promised_everywhere() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).expect("part of the repository");
+    let cargo = read("Cargo.toml");
+    let line = cargo.lines().find_map(|line| line.strip_prefix("rust-version = ")).expect("a promise");
+    let promised = line.trim_matches('"');
+    // Earlier releases needed other versions.
+    let changes = read("CHANGELOG.md");
+    assert_eq!(rust_versions(&changes).first(), Some(&promised), "CHANGELOG.md, topmost section");
+    assert!(!rust_versions(&read("README.md")).is_empty(), "README.md names no version of Rust");
+    let pages = fs::read_dir(root().join("docs")).expect("a folder").map(|entry| entry.expect("readable").file_name());
+    let pages = pages.map(|name| format!("docs/{}", name.to_string_lossy())).filter(|page| page.ends_with(".md"));
+    // The compiler of the measurements.
+    let pages = pages.filter(|page| page != "docs/PERFORMANCE.md");
+    for page in pages.chain(["README.md".to_owned()]) {
+        let text = read(&page);
+        assert!(rust_versions(&text).iter().all(|version| *version == promised), "{page} does not say {promised}");
+    }
+    assert_eq!(rust_versions("Rust 1.95, and Rust 1.9. Rust"), ["1.95", "1.9"]);
+}
+
 #[test]
 fn files_import_no_circles() {
     let circles = Imports::of(&sources("src")).circles();
