@@ -3,22 +3,14 @@
 #[path = "support/figure.rs"]
 mod figure;
 
+use crate::internal::numbers::distance;
+use crate::internal::solving::run;
 use figure::{Pose, around, figure, posed};
 use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{
-    Guard, HandlePin, PointPin, Problem, ResidualReason, Settings, Shape, Solution, Solver, Targets, solve,
-};
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
+use pinwarp::solve::{Guard, HandlePin, PointPin, Problem, ResidualReason, Settings, Shape, Solver, Targets, solve};
 
 fn limit() -> Settings {
     Settings { guard: Guard::Limit, ..Settings::default() }
-}
-
-fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], settings: &Settings) -> Solution<2> {
-    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
 }
 
 /// The head pushed `down` into the body.
@@ -121,7 +113,7 @@ fn a_box_of_space_is_guarded() {
         .collect();
     let [free, held] = [Guard::Report, Guard::Limit].map(|guard| {
         let settings = Settings { guard, ..Settings::default() };
-        solve(&Problem { grid: &grid, shape: &shape, pins: &pins, handles: &[], settings: &settings }).expect("valid")
+        run(&grid, &shape, &pins, &settings)
     });
     assert!(free.report.folded_model_cells > 0, "{:?}", free.report);
     assert!(held.report.folded_model_cells == 0, "{:?}", held.report);

@@ -35,6 +35,8 @@ mod literal;
 mod live;
 #[path = "minima.rs"]
 mod minima;
+#[path = "support/numbers.rs"]
+mod numbers;
 #[path = "oracle.rs"]
 mod oracle;
 #[path = "plate/main.rs"]
@@ -55,6 +57,8 @@ pub(crate) mod skip;
 mod solver;
 #[path = "solver_pins/main.rs"]
 mod solver_pins;
+#[path = "support/solving.rs"]
+mod solving;
 #[path = "space.rs"]
 mod space;
 #[path = "trajectories.rs"]

@@ -1,6 +1,7 @@
 //! Whole files or none: cut off, damaged, malformed, no room, no permission.
 
 use super::support::{ALL, metadata, names_in, rect, sample_frame, write};
+use crate::internal::numbers::{Random, SplitMix};
 use crate::internal::skip::skip;
 use pinwarp::image::{
     Channel, Compression, Frame, ImageError, Plate, PlatePart, Preview, Storage, is_complete, picture_size, read_exr,
@@ -144,11 +145,8 @@ impl Drop for TinyDisk {
 
 /// Numbers that no compression makes smaller.
 fn noise(count: usize) -> Vec<u32> {
-    let step = |state: &mut u32| {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        Some(*state >> 8)
-    };
-    (0..count).scan(1_u32, |state, _| step(state)).collect()
+    let mut random = SplitMix(1);
+    (0..count).map(|_| random.below(1 << 24) as u32).collect()
 }
 
 #[test]
