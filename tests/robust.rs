@@ -131,7 +131,9 @@ fn boxes_that_are_mostly_empty_fold_where_nobody_sees_it() {
         let solution = run(&grid, &shape, &pins);
         assert!(is_finite(&solution), "{:?}", solution.report);
         assert!(solution.report.pin_errors.iter().all(|error| *error < 1e-4), "{factor}: {:?}", solution.report);
-        assert!(solution.report.folded_model_cells <= solution.report.folded_cells);
+        // The box folds, but no cell that a triangle of the figure touches.
+        assert!(solution.report.folded_cells > 0, "{factor}: nothing folds, so nothing is tested");
+        assert_eq!(solution.report.folded_model_cells, 0, "{factor}: {:?}", solution.report);
         assert!(solution.lattice.handles.iter().all(|&at| distance(at, [0.0; 2]) < 5.0 * factor), "{factor}");
     }
 }
