@@ -3,11 +3,16 @@
 //! The stages are listed in data-flow order; each is a function from plain data to plain data:
 //!
 //! ```text
-//! scene.glb ─scene─▶ Scene ─pose─▶ Pose ─screen─▶ ScreenMesh ─lattice─▶ Embedding ─┐
-//! shot.toml ─shot──▶ Shot ──keys at a time──────▶ PinTargets ──────────────────────┤
-//!                                                                                  ▼
-//! frame.exr ◀─image─ Frame ◀─raster─ Geometry ◀─ Lattice (solved) ◀──── solve ──▶ SolveReport
-//! plate.exr ◀─image─ Plate ◀─plate── WarpMap ◀──┘
+//!  scene.glb ─load─▶ Scene ─pose(time)─▶ Pose ─project(camera)─▶ ScreenMesh ─┐
+//!  shot.toml ─read─▶ Shot ──keys at a time──▶ PinTargets ────────────────────┤
+//!                                                                            ▼
+//!  frame.0101.exr ◀─write─ Frame ◀─raster─ Geometry ◀─assemble─ Lattice ◀─ solve ──▶ SolveReport
+//!                                                                 │
+//!  lattice.json, Nuke, Blender, glTF, After Effects ◀─export──────┤
+//!                                                                 ▼
+//!  warped.0101.exr ◀─write─ Plate ◀─composite─ warp ◀─ WarpMap ◀─ Field
+//!                                                ▲         ▲
+//!  plate.0101.exr ─read─▶ Plate ─────────────────┘         └◀─▶ STMap
 //! ```
 //!
 //! The method is lp-FFD: Fukusato, Maejima and Igarashi, "Locality-Preserving Free-Form

@@ -264,6 +264,28 @@ fn a_forbidden_import_is_found() {
     assert!(forbidden("src/pose/a.rs", "// crate::cli is not known here\nuse crate::scene::Scene;").is_empty());
 }
 
+/// Names of fields and arguments that are transforms and do not say from where to where.
+fn unnamed_transforms(text: &str) -> Vec<String> {
+    let is_transform = |kind: &str| {
+        let kind = kind.trim_start_matches('&');
+        ["Mat4", "DMat4"].iter().any(|name| kind.strip_prefix(name).is_some_and(|rest| !rest.starts_with(':')))
+    };
+    let code: String = code_lines(text).collect::<Vec<_>>().join("\n");
+    let typed = code.match_indices(": ").filter(|(at, _)| is_transform(&code[at + 2..]));
+    let names = typed.filter_map(|(at, _)| code[..at].rsplit(|c: char| !c.is_alphanumeric() && c != '_').next());
+    names.filter(|name| !name.contains("_from_")).map(str::to_owned).collect()
+}
+
+#[test]
+fn transforms_are_named_by_target_and_source() {
+    for (file, text) in sources("src") {
+        // A helper for any matrix.
+        let unnamed: Vec<_> = unnamed_transforms(&text).into_iter().filter(|name| name != "matrix").collect();
+        assert!(unnamed.is_empty(), "{file}: {unnamed:?}; docs/CONVENTIONS.md names transforms target_from_source");
+    }
+    assert_eq!(unnamed_transforms("fn f(a_from_b: &DMat4, view: DMat4, at: Vec3)"), ["view"]);
+}
+
 /// Every place where a third-party crate is named outside its stage.
 fn strays(file: &str, text: &str) -> Vec<String> {
     let names = |line: &str, krate: &str| {
@@ -353,10 +375,19 @@ fn every_test_file_is_listed() {
     assert_eq!(unlisted(&files, "path = \"tests/a.rs\"", "#[path = \"b/main.rs\"]"), ["tests/d.rs"]);
 }
 
+#[test]
+fn what_cannot_run_is_skipped_in_one_way() {
+    let word = concat!("SKIP", "PED");
+    for (file, text) in sources("tests").into_iter().chain(sources("src/raster")) {
+        assert!(file == "tests/support/skip.rs" || !text.contains(word), "{file} says {word}; call support/skip.rs");
+    }
+}
+
 /// Paths in backticks that look like files of the repository.
 fn paths_in(text: &str) -> Vec<&str> {
+    let folders = ["src/", "shaders/", "scenes/", "tests/", "benches/", "docs/", ".ci/"];
     let is_path = |word: &&str| {
-        ["src/", "shaders/", "scenes/", "tests/", "benches/", "docs/"].iter().any(|folder| word.starts_with(folder))
+        (folders.iter().any(|folder| word.starts_with(folder)) || ["Cargo.toml", "README.md"].contains(word))
             && !word.contains(['*', '<', ' ', '#'])
     };
     text.split('`').skip(1).step_by(2).filter(is_path).collect()
@@ -372,7 +403,102 @@ fn documents_name_files_that_are_there() {
             assert!(Path::new(&root()).join(path).exists(), "{document} names {path}, which is not there");
         }
     }
-    assert_eq!(paths_in("see `src/x.rs` and `other`"), ["src/x.rs"]);
+    assert_eq!(paths_in("see `src/x.rs`, `.ci/y` and `other`"), ["src/x.rs", ".ci/y"]);
+}
+
+/// What pictures name that is no type of ours: programs and file formats.
+const NOT_TYPES: [&str; 5] = ["Nuke", "Blender", "After", "Effects", "STMap"];
+
+/// The pictures of a text: what stands between "```text" and "```".
+fn pictures(text: &str) -> Vec<String> {
+    let starts = text.split("```text\n").skip(1);
+    starts.filter_map(|rest| rest.split("```").next()).map(str::to_owned).collect()
+}
+
+/// Names of types in a picture.
+fn types_in(picture: &str) -> BTreeSet<&str> {
+    let words = picture.split(|c: char| !c.is_alphanumeric() && c != '_');
+    let is_type = |word: &&str| {
+        word.starts_with(|c: char| c.is_ascii_uppercase()) && word.contains(|c: char| c.is_ascii_lowercase())
+    };
+    words.filter(is_type).filter(|word| !NOT_TYPES.contains(word)).collect()
+}
+
+#[test]
+fn pictures_name_types_that_are_there() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).expect("part of the repository");
+    let page = pictures(&read("docs/ARCHITECTURE.md"));
+    let library: String = read("src/lib.rs")
+        .lines()
+        .filter_map(|line| line.strip_prefix("//!"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let library = pictures(&library.replace("\n ", "\n"));
+    let code: String = sources("src").into_iter().map(|(_, text)| text).collect();
+    let is_defined = |name: &str| {
+        let kinds = ["struct", "enum", "trait", "type"];
+        kinds.iter().any(|kind| {
+            let ends = |(at, found): (usize, &str)| {
+                !code[at + found.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_')
+            };
+            code.match_indices(&format!("{kind} {name}")).any(ends)
+        })
+    };
+    for picture in page.iter().chain(&library) {
+        let absent: Vec<&str> = types_in(picture).into_iter().filter(|name| !is_defined(name)).collect();
+        assert!(absent.is_empty(), "no type is called {absent:?}, which are in this picture:\n{picture}");
+    }
+    assert_eq!(library.first(), page.first(), "src/lib.rs and docs/ARCHITECTURE.md show the stages differently");
+    assert!(!is_defined("Embedding") && types_in("a.exr ─▶ Frame, Nuke").contains("Frame"));
+}
+
+/// Rows of the page of conventions whose last column names no test, or one that its files do not have.
+fn unproved(page: &str, read: impl Fn(&str) -> String) -> Vec<String> {
+    let is_proved = |row: &&str| {
+        let cell = row.trim_end().trim_end_matches('|').rsplit(" | ").next().unwrap_or_default();
+        let (files, tests): (Vec<&str>, Vec<&str>) =
+            cell.split('`').skip(1).step_by(2).partition(|word| word.contains('/'));
+        let code: String = files.into_iter().map(&read).collect();
+        !tests.is_empty() && tests.iter().all(|test| code.contains(&format!("fn {test}(")))
+    };
+    let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| what |"));
+    rows.filter(|row| !is_proved(row)).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_convention_names_a_test_that_proves_it() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+    assert_eq!(unproved(&read("docs/CONVENTIONS.md"), read), [""; 0], "conventions without a test");
+    let page = "| a | `x/y` | `t` in `b/c.rs` |\n| d | e | `b/c.rs` |\n| f | g | – |\n| h | i | `u` in `b/c.rs` |";
+    assert_eq!(unproved(page, |_| "fn t() {}".into()).len(), 3);
+}
+
+/// Versions of Rust in a text: 1.95 of "needs Rust 1.95.".
+fn rust_versions(text: &str) -> Vec<&str> {
+    let starts = text.match_indices("Rust 1.").map(|(at, _)| &text[at + "Rust ".len()..]);
+    let number = |rest: &'_ str| rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+    starts.map(|rest| rest[..number(rest)].trim_end_matches('.')).collect()
+}
+
+#[test]
+fn one_version_of_rust_is_promised_everywhere() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).expect("part of the repository");
+    let cargo = read("Cargo.toml");
+    let line = cargo.lines().find_map(|line| line.strip_prefix("rust-version = ")).expect("a promise");
+    let promised = line.trim_matches('"');
+    // Earlier releases needed other versions.
+    let changes = read("CHANGELOG.md");
+    assert_eq!(rust_versions(&changes).first(), Some(&promised), "CHANGELOG.md, topmost section");
+    assert!(!rust_versions(&read("README.md")).is_empty(), "README.md names no version of Rust");
+    let pages = fs::read_dir(root().join("docs")).expect("a folder").map(|entry| entry.expect("readable").file_name());
+    let pages = pages.map(|name| format!("docs/{}", name.to_string_lossy())).filter(|page| page.ends_with(".md"));
+    // The compiler of the measurements.
+    let pages = pages.filter(|page| page != "docs/PERFORMANCE.md");
+    for page in pages.chain(["README.md".to_owned()]) {
+        let text = read(&page);
+        assert!(rust_versions(&text).iter().all(|version| *version == promised), "{page} does not say {promised}");
+    }
+    assert_eq!(rust_versions("Rust 1.95, and Rust 1.9. Rust"), ["1.95", "1.9"]);
 }
 
 #[test]

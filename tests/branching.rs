@@ -3,13 +3,14 @@
 #[path = "support/puppet.rs"]
 mod puppet;
 
+use crate::internal::numbers::{Random, SplitMix, distance};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::methods::Arap;
 use pinwarp::solve::{
     BranchedLattice, Energy, HandlePin, PointPin, Problem, Region, Settings, Shape, Solution, Solver, Topology,
     far_points, solve,
 };
-use puppet::{Puppet, Random};
+use puppet::Puppet;
 
 /// Edges of the meshes: about 2,000 triangles.
 const SPACING: f64 = 0.0145;
@@ -83,10 +84,6 @@ fn motion([x, y]: [f64; 2]) -> [f64; 2] {
     [0.6 * x - 0.8 * y + 0.3, 0.8 * x + 0.6 * y - 0.1]
 }
 
-fn gap(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
@@ -100,7 +97,7 @@ fn a_rigid_motion_of_all_pins_is_one_of_all_branches() {
     assert!(solution.branches.as_ref().is_some_and(|branches| branches.branch_count() > 4));
     for (triangle, corner) in shape.triangles.iter().enumerate().flat_map(|(k, corners)| corners.map(|c| (k, c))) {
         let (found, wanted) = (image(&solution, &shape, triangle, corner), motion(shape.points[corner as usize]));
-        assert!(gap(found, wanted) < 1e-6, "triangle {triangle}: {found:?} instead of {wanted:?}");
+        assert!(distance(found, wanted) < 1e-6, "triangle {triangle}: {found:?} instead of {wanted:?}");
     }
 }
 
@@ -126,7 +123,7 @@ fn points_far_outside_the_box_move_with_the_nearest_of_their_own_piece() {
     assert!(solution.branches.as_ref().is_some_and(|branches| branches.branch_count() > 2));
     for (triangle, corner) in shape.triangles.iter().enumerate().flat_map(|(k, corners)| corners.map(|c| (k, c))) {
         let (found, [x, y]) = (image(&solution, &shape, triangle, corner), shape.points[corner as usize]);
-        assert!(gap(found, [x + by[0], y + by[1]]) < 1e-6, "triangle {triangle}: {found:?} instead of {x}, {y}");
+        assert!(distance(found, [x + by[0], y + by[1]]) < 1e-6, "triangle {triangle}: {found:?} instead of {x}, {y}");
     }
 }
 
@@ -164,7 +161,7 @@ fn the_warp_is_smooth_along_the_shape_where_branches_meet() {
         }
         let other = branches.branch_at(triangle, along(high));
         let [one, other] = [from, other].map(|branch| branches.lattice(branch).evaluate_with_gradient(along(low)));
-        assert!(gap(one.point, other.point) < 1e-9, "triangle {triangle}: {one:?} {other:?}");
+        assert!(distance(one.point, other.point) < 1e-9, "triangle {triangle}: {one:?} {other:?}");
         let slopes = one.gradient.as_flattened().iter().zip(other.gradient.as_flattened());
         assert!(
             slopes.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-6,
@@ -208,7 +205,7 @@ fn a_raised_arm_leaves_the_body_alone() {
 fn poses_of_other_figures_are_better_than_on_a_plain_lattice() {
     let figure = |seed| {
         let puppet = Puppet::random(seed);
-        let (shape, pins) = (puppet.mesh(SPACING), puppet.posed(&mut Random(100 + seed)));
+        let (shape, pins) = (puppet.mesh(SPACING), puppet.posed(&mut SplitMix(100 + seed)));
         let arap = of_mesh(&shape, &pins);
         (seed, shape, pins, arap)
     };
@@ -236,7 +233,7 @@ fn limbs_whose_pins_rest_stay_where_they_are() {
     let mut excess = Vec::new();
     for seed in 1..=4 {
         let puppet = Puppet::random(seed);
-        let (shape, posed) = (puppet.mesh(SPACING), puppet.posed(&mut Random(100 + seed)));
+        let (shape, posed) = (puppet.mesh(SPACING), puppet.posed(&mut SplitMix(100 + seed)));
         for moved in 0..puppet.limbs.len() {
             let mut pins = puppet.pins();
             pins[3 + moved].target = posed[3 + moved].target;
@@ -248,8 +245,8 @@ fn limbs_whose_pins_rest_stay_where_they_are() {
             {
                 let rest = shape.points[corner as usize];
                 if let Some([lattice, mesh]) = puppet.limb_at(rest).map(|limb| &mut farthest[limb]) {
-                    *lattice = lattice.max(gap(image(&solution, &shape, triangle, corner), rest));
-                    *mesh = mesh.max(gap(arap[corner as usize], rest));
+                    *lattice = lattice.max(distance(image(&solution, &shape, triangle, corner), rest));
+                    *mesh = mesh.max(distance(arap[corner as usize], rest));
                 }
             }
             let others = farthest.iter().enumerate().filter(|(limb, _)| *limb != moved);
@@ -276,7 +273,7 @@ fn regions_of_pins_end_where_their_part_does() {
         .map(|corners| [0, 1].map(|d| corners.iter().map(|&k| shape.points[k as usize][d]).sum::<f64>() / 3.0))
         .collect();
     // The arm is to the right of a line beside the skirt.
-    let near = |k: usize| gap(middles[k], hand) < 0.09;
+    let near = |k: usize| distance(middles[k], hand) < 0.09;
     let part = |is_arm: bool| -> Vec<usize> {
         let is_of_arm = |[x, y]: [f64; 2]| x > 0.091 + 0.25 * (0.5 - y).max(0.0) && y > 0.36;
         (0..middles.len()).filter(|&k| near(k) && is_of_arm(middles[k]) == is_arm).collect()
@@ -299,14 +296,15 @@ fn regions_of_pins_end_where_their_part_does() {
         println!("rigidity {rigidity}, stiffness {stiffness}: arm {was:.6?} to {is:.6?}");
         assert!(is[0] * least < was[0], "{was:?} {is:?}");
         let moved = skirt.iter().flat_map(|&k| shape.triangles[k].map(|corner| (k, corner)));
-        let gaps = moved.map(|(k, corner)| gap(image(&before, &shape, k, corner), image(&after, &shape, k, corner)));
+        let gaps =
+            moved.map(|(k, corner)| distance(image(&before, &shape, k, corner), image(&after, &shape, k, corner)));
         let farthest = gaps.fold(0.0, f64::max);
         println!("the skirt beside it moves by {farthest:.5}");
         assert!(farthest < 2e-3, "{farthest}");
         let plain = [&plain_pins, &pins].map(|pins| solved(&shape, pins, [32, 42], Topology::Plain));
         let gaps = skirt.iter().flat_map(|&k| shape.triangles[k].map(|corner| (k, corner)));
         let gaps =
-            gaps.map(|(k, corner)| gap(image(&plain[0], &shape, k, corner), image(&plain[1], &shape, k, corner)));
+            gaps.map(|(k, corner)| distance(image(&plain[0], &shape, k, corner), image(&plain[1], &shape, k, corner)));
         let of_plain = gaps.fold(0.0, f64::max);
         println!("on a plain lattice by {of_plain:.5}");
         assert!(of_plain > 3.0 * farthest, "a plain lattice would pass: {of_plain}");
@@ -331,14 +329,18 @@ fn moved_handles_move_all_their_copies() {
     let solver = Solver::new(&problem).expect("a right problem");
     let solution = solver.solve();
     let places = |solution: &Solution<2>| solution.branches.as_ref().expect("branches").copies_of(index).to_vec();
-    assert!(places(&solution).iter().all(|place| gap(*place, handles[0].target) < 1e-9), "{:?}", places(&solution));
+    assert!(
+        places(&solution).iter().all(|place| distance(*place, handles[0].target) < 1e-9),
+        "{:?}",
+        places(&solution)
+    );
     assert!(solution.report.handle_errors.iter().all(|&error| error < 1e-9), "{:?}", solution.report.handle_errors);
     assert!(solution.report.pin_errors.iter().all(|&error| error < 1e-9));
     let warned = |text: &&String| text.contains(&format!("handle {idle} acts on no part"));
     assert_eq!(solution.report.warnings.iter().filter(warned).count(), 1, "{:?}", solution.report.warnings);
     let back = handles.map(|handle| HandlePin { target: [x - 0.01, y], ..handle });
     let solution = solver.update(&pins, &back).expect("the same handles");
-    assert!(places(&solution).iter().all(|place| gap(*place, [x - 0.01, y]) < 1e-9), "{:?}", places(&solution));
+    assert!(places(&solution).iter().all(|place| distance(*place, [x - 0.01, y]) < 1e-9), "{:?}", places(&solution));
 }
 
 #[test]
@@ -363,7 +365,7 @@ fn drags_follow_all_branches() {
         let corners = shape.triangles.iter().enumerate();
         let gaps = corners.map(|(k, corners)| {
             let point = shape.points[corners[0] as usize];
-            gap(a.evaluate(k, point), b.evaluate(k, point))
+            distance(a.evaluate(k, point), b.evaluate(k, point))
         });
         gaps.fold(0.0, f64::max)
     };
@@ -373,7 +375,7 @@ fn drags_follow_all_branches() {
         let branches = drag.branches().expect("it branches");
         assert_eq!(lattice, branches.lattice(0));
         for pin in &pins {
-            assert!(gap(branches.pin_image(pin), pin.target) < 1e-9, "step {step}");
+            assert!(distance(branches.pin_image(pin), pin.target) < 1e-9, "step {step}");
         }
         if step % 10 == 0 {
             let solved = solver.update(&pins, &[]).expect("the same pins").branches.expect("it branches");
@@ -422,15 +424,15 @@ fn islands_move_with_the_nearest_part() {
     let last = shape.triangles.len() - 1;
     let found = image(&solution, &shape, last, button);
     let wanted = motion(shape.points[button as usize]);
-    assert!(gap(found, wanted) < 1e-6, "{found:?} instead of {wanted:?}");
+    assert!(distance(found, wanted) < 1e-6, "{found:?} instead of {wanted:?}");
     let raised = solved(&shape, &girl.raised(), [24, 32], Topology::Branching);
     let (found, rest) = (image(&raised, &shape, last, button), shape.points[button as usize]);
-    assert!(gap(found, rest) < 0.02, "{found:?}, at rest {rest:?}");
+    assert!(distance(found, rest) < 0.02, "{found:?}, at rest {rest:?}");
 }
 
 /// Blades of grass: triangles that touch nothing, at random places.
 fn grass(count: usize) -> Shape<2> {
-    let mut random = Random(7);
+    let mut random = SplitMix(7);
     let mut number = || random.unit();
     let blade = |_| {
         let [x, y] = [number(), number()];

@@ -6,13 +6,14 @@ mod bisection;
 #[expect(dead_code, reason = "another test asks for limbs")]
 mod puppet;
 
+use crate::internal::numbers::SplitMix;
 use bisection::jump;
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{
     Cancel, Coupling, ModelPoint, PointPin, Problem, Settings, Shape, Solution, SolveError, Targets, TimedProblem,
     Timeline, Topology, Trajectory, solve,
 };
-use puppet::{Puppet, Random};
+use puppet::Puppet;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Edges of the mesh.
@@ -178,7 +179,7 @@ fn look(scene: &Scene) -> Finding {
 /// A random figure in a random pose, under a coarse lattice.
 fn random_scene(seed: u64) -> Scene {
     let figure = Puppet::random(seed);
-    let pose = figure.posed(&mut Random(200 + seed));
+    let pose = figure.posed(&mut SplitMix(200 + seed));
     Scene::new(&figure, pose, [[10, 12], [14, 16], [18, 22]][seed as usize % 3])
 }
 

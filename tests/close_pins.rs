@@ -3,23 +3,17 @@
 #[path = "support/figure.rs"]
 mod figure;
 
+use crate::internal::numbers::distance;
+use crate::internal::solving::run;
 use figure::{Pose, around, figure, posed};
-use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{PointPin, Problem, ResidualReason, Settings, Shape, Solution, Solver, solve};
+use pinwarp::lattice::{Basis, Lattice};
+use pinwarp::solve::{PointPin, Problem, ResidualReason, Settings, Shape, Solution, Solver};
 
 /// A pixel of a frame of 1080 lines that the box of the figure fills.
 const PIXEL: f64 = 2.4 / 1080.0;
 
 /// A miss that nobody sees, pixels.
 const EXACT: f64 = 0.05;
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
-fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], settings: &Settings) -> Solution<2> {
-    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
-}
 
 /// Farthest that a vertex goes from one lattice to another, pixels.
 fn apart(a: &Lattice<2>, b: &Lattice<2>, shape: &Shape<2>) -> f64 {

@@ -7,7 +7,6 @@
 
 #[path = "support/python.rs"]
 mod python;
-#[expect(dead_code, reason = "the guide needs no shared files")]
 #[path = "support/skip.rs"]
 mod skip;
 

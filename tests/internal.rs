@@ -35,6 +35,8 @@ mod literal;
 mod live;
 #[path = "minima.rs"]
 mod minima;
+#[path = "support/numbers.rs"]
+mod numbers;
 #[path = "oracle.rs"]
 mod oracle;
 #[path = "plate/main.rs"]
@@ -49,10 +51,14 @@ mod robust;
 mod scene;
 #[path = "shot/main.rs"]
 mod shot;
+#[path = "support/skip.rs"]
+pub(crate) mod skip;
 #[path = "solver.rs"]
 mod solver;
 #[path = "solver_pins/main.rs"]
 mod solver_pins;
+#[path = "support/solving.rs"]
+mod solving;
 #[path = "space.rs"]
 mod space;
 #[path = "trajectories.rs"]

@@ -11,7 +11,8 @@ mod limbs;
 #[path = "support/varied.rs"]
 mod varied;
 
-use hard::{Hard, Numbers};
+use crate::internal::numbers::{Random, SplitMix};
+use hard::Hard;
 use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::solve::{PointPin, Problem, Settings, Solution, Solver, Stationarity, solve};
 use rayon::prelude::*;
@@ -24,8 +25,8 @@ const STARTS: u64 = 13;
 
 /// The lattice at rest, or shaken: smoothly by up to 5, 10 or 20 % of the diagonal, or handle by handle by half a span.
 fn start(grid: &Grid<2>, from: &Lattice<2>, number: u64) -> Lattice<2> {
-    let mut numbers = Numbers(1 + 977 * number);
-    let mut within = |most: f64| (2.0 * numbers.next() - 1.0) * most;
+    let mut numbers = SplitMix(1 + 977 * number);
+    let mut within = |most: f64| numbers.within(most);
     if number == 0 {
         return grid.at_rest();
     }

@@ -2,8 +2,8 @@
 //!
 //! The cases are not part of the package; without them every test here says so, and fails with `PINWARP_REQUIRE_SHARED=1`.
 
-#[path = "support/skip.rs"]
-mod skip;
+#[path = "support/shared.rs"]
+mod shared;
 
 use pinwarp::lattice::{AxisTerms, Basis};
 use pinwarp::solve::problem_file::{ResultFile, run_text};
@@ -11,7 +11,7 @@ use serde_json::Value;
 
 /// Text of a case, or nothing where the cases are absent.
 fn case(name: &str) -> Option<String> {
-    let path = skip::shared(&format!("oracle/{name}"))?;
+    let path = shared::shared(&format!("oracle/{name}"))?;
     Some(std::fs::read_to_string(path).expect("a case is text"))
 }
 

@@ -5,37 +5,21 @@
 #[path = "support/figure.rs"]
 mod figure;
 
+use crate::internal::numbers::{Congruential, Random, distance};
+use crate::internal::solving;
 use figure::{Pose, around, figure, posed};
 use pinwarp::lattice::{Basis, Grid, Lattice};
-use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solution, Solver, Targets, solve};
+use pinwarp::solve::{PointPin, Problem, Settings, Shape, Solution, Solver, Targets};
 
-/// Numbers in 0..1 from a seed (D. Lehmer's generator modulo 2^64).
-struct Rng(u64);
-
-impl Rng {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, most: f64) -> f64 {
-        (2.0 * self.next() - 1.0) * most
-    }
-
-    /// Arms up to 110 degrees, legs up to 80, every other limb at rest; the body somewhere else.
-    fn pose(&mut self) -> Pose {
-        let mut limb = |degrees: f64| if self.next() < 0.5 { self.within(degrees.to_radians()) } else { 0.0 };
-        let limbs = [limb(110.0), limb(110.0), limb(80.0), limb(80.0)];
-        Pose { limbs, shift: [self.within(0.3), self.within(0.3)] }
-    }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
+/// Arms up to 110 degrees, legs up to 80, every other limb at rest; the body somewhere else.
+fn random_pose(random: &mut impl Random) -> Pose {
+    let mut limb = |degrees: f64| if random.unit() < 0.5 { random.within(degrees.to_radians()) } else { 0.0 };
+    let limbs = [limb(110.0), limb(110.0), limb(80.0), limb(80.0)];
+    Pose { limbs, shift: [random.within(0.3), random.within(0.3)] }
 }
 
 fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>]) -> Solution<2> {
-    solve(&Problem { grid, shape, pins, handles: &[], settings: &Settings::default() }).expect("a valid problem")
+    solving::run(grid, shape, pins, &Settings::default())
 }
 
 fn is_finite(solution: &Solution<2>) -> bool {
@@ -52,7 +36,7 @@ fn apart(a: &Lattice<2>, b: &Lattice<2>, shape: &Shape<2>) -> f64 {
 /// Solves poses of three figures, finer and finer; prints iterations, fails where one diverges.
 fn try_poses(count: usize) {
     let grid = around(10, Basis::Bspline);
-    let mut rng = Rng(2405);
+    let mut rng = Congruential(2405);
     let mut iterations = Vec::new();
     let mut unconverged = 0;
     for spacing in [0.086, 0.064, 0.0485] {
@@ -62,7 +46,7 @@ fn try_poses(count: usize) {
         let problem = Problem { grid: &grid, shape: &shape, pins: &rest, handles: &[], settings: &settings };
         let solver = Solver::new(&problem).expect("a valid problem");
         for _ in 0..count.div_ceil(3) {
-            let pose = rng.pose();
+            let pose = random_pose(&mut rng);
             let solution = solver.update(&posed(pose), &[]).expect("the same pins");
             let report = &solution.report;
             assert!(is_finite(&solution), "{pose:?}");
@@ -102,11 +86,11 @@ fn ten_thousand_poses_arrive() {
 
 #[test]
 fn trembling_vertices_do_not_move_the_lattice() {
-    let (grid, shape, mut rng) = (around(10, Basis::Bspline), figure(0.08), Rng(7));
+    let (grid, shape, mut rng) = (around(10, Basis::Bspline), figure(0.08), Congruential(7));
     let tremble = 1e-7 * grid.diagonal();
     let mut worst: f64 = 0.0;
     for _ in 0..20 {
-        let pins = posed(rng.pose());
+        let pins = posed(random_pose(&mut rng));
         let mut trembled = shape.clone();
         for point in &mut trembled.points {
             let angle = std::f64::consts::PI * rng.within(1.0);
@@ -121,8 +105,8 @@ fn trembling_vertices_do_not_move_the_lattice() {
 
 #[test]
 fn scales_of_micrometres_and_of_planets_bend_alike() {
-    let (grid, shape, mut rng) = (around(10, Basis::Bspline), figure(0.08), Rng(11));
-    let pins = posed(rng.pose());
+    let (grid, shape, mut rng) = (around(10, Basis::Bspline), figure(0.08), Congruential(11));
+    let pins = posed(random_pose(&mut rng));
     let unit = run(&grid, &shape, &pins);
     for scale in [1e-6, 1e6] {
         let times = |p: [f64; 2]| p.map(|x| x * scale);
@@ -147,7 +131,9 @@ fn boxes_that_are_mostly_empty_fold_where_nobody_sees_it() {
         let solution = run(&grid, &shape, &pins);
         assert!(is_finite(&solution), "{:?}", solution.report);
         assert!(solution.report.pin_errors.iter().all(|error| *error < 1e-4), "{factor}: {:?}", solution.report);
-        assert!(solution.report.folded_model_cells <= solution.report.folded_cells);
+        // The box folds, but no cell that a triangle of the figure touches.
+        assert!(solution.report.folded_cells > 0, "{factor}: nothing folds, so nothing is tested");
+        assert_eq!(solution.report.folded_model_cells, 0, "{factor}: {:?}", solution.report);
         assert!(solution.lattice.handles.iter().all(|&at| distance(at, [0.0; 2]) < 5.0 * factor), "{factor}");
     }
 }
@@ -155,7 +141,7 @@ fn boxes_that_are_mostly_empty_fold_where_nobody_sees_it() {
 #[test]
 fn flaws_of_screen_meshes_change_little() {
     // Slivers, edges of no length, folded triangles over the others, doubled ones, a speck far from all pins.
-    let (grid, sound, mut rng) = (around(10, Basis::Bspline), figure(0.08), Rng(3));
+    let (grid, sound, mut rng) = (around(10, Basis::Bspline), figure(0.08), Congruential(3));
     let mut flawed = sound.clone();
     for k in (0..sound.triangles.len()).step_by(9) {
         let [a, b, c] = sound.triangles[k];
@@ -168,7 +154,7 @@ fn flaws_of_screen_meshes_change_little() {
     flawed.points.extend([[1.1, 1.1], [1.1 + 1e-9, 1.1], [1.1, 1.1 + 1e-9]]);
     flawed.triangles.push([speck, speck + 1, speck + 2]);
     for _ in 0..5 {
-        let pins = posed(rng.pose());
+        let pins = posed(random_pose(&mut rng));
         let [a, b] = [&sound, &flawed].map(|shape| run(&grid, shape, &pins));
         assert!(is_finite(&b), "{:?}", b.report);
         // Doubled triangles weigh twice: the same bend but for that.

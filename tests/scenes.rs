@@ -3,8 +3,8 @@
 #[path = "../scenes/make/mod.rs"]
 mod make;
 
-#[path = "support/skip.rs"]
-mod skip;
+#[path = "support/shared.rs"]
+mod shared;
 
 use std::path::{Path, PathBuf};
 
@@ -189,7 +189,7 @@ fn every_shot_passes_check() {
 /// A foreign file, which is not part of the repository.
 #[test]
 fn knight_is_rendered() {
-    let Some(knight) = skip::shared("assets/kaykit/Knight.glb") else { return };
+    let Some(knight) = shared::shared("assets/kaykit/Knight.glb") else { return };
     let folder = tempfile::tempdir().expect("there is room");
     let shot = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/shots/knight.toml");
     std::fs::copy(knight, folder.path().join("Knight.glb")).expect("there is room");

@@ -5,6 +5,8 @@
 #[path = "support/random.rs"]
 mod random;
 
+use crate::internal::numbers::distance;
+use crate::internal::solving::run;
 use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::solve::{
     HandlePin, PointPin, Problem, Regularizer, Settings, Shape, Solution, SolveError, Solver, Topology, solve,
@@ -31,14 +33,6 @@ fn grid(dims: usize, basis: Basis) -> Grid<2> {
 
 fn pin(at: [f64; 2], target: [f64; 2]) -> PointPin<2> {
     PointPin::new(at, target)
-}
-
-fn run(grid: &Grid<2>, shape: &Shape<2>, pins: &[PointPin<2>], settings: &Settings) -> Solution<2> {
-    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// Largest distance of the handles from where `image` puts the rest handles.

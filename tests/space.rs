@@ -3,11 +3,12 @@
 #[path = "support/bisection.rs"]
 mod bisection;
 
+use crate::internal::solving::run;
 use bisection::jump;
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{
-    Cancel, Coupling, Guard, ModelPoint, PointPin, Problem, Settings, Shape, Solution, SolveError, Targets,
-    TimedProblem, Timeline, Trajectory, active_cells, solve,
+    Cancel, Coupling, Guard, ModelPoint, PointPin, Settings, Shape, Solution, SolveError, Targets, TimedProblem,
+    Timeline, Trajectory, active_cells,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -38,10 +39,6 @@ fn ball() -> Shape<3> {
 
 fn cube(count: usize) -> Grid<3> {
     Grid { dims: [count; 3], basis: Basis::Bspline, lo: [-1.2; 3], hi: [1.2; 3], angle: 0.0 }
-}
-
-fn solved(grid: &Grid<3>, shape: &Shape<3>, pins: &[PointPin<3>], settings: &Settings) -> Solution<3> {
-    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
 }
 
 /// Four pins around the axis at each height, turned by an angle for each.
@@ -75,7 +72,7 @@ fn gap(a: &Solution<3>, b: &Solution<3>, shape: &Shape<3>) -> f64 {
 fn a_ball_twisted_by_120_degrees_converges() {
     let (grid, shape) = (cube(5), ball());
     let pins = turned(0.6, [(-0.8, 0.0), (0.8, 120_f64.to_radians())].into_iter());
-    assert_converged(&solved(&grid, &shape, &pins, &Settings::default()), &grid, 40);
+    assert_converged(&run(&grid, &shape, &pins, &Settings::default()), &grid, 40);
 }
 
 #[test]
@@ -85,7 +82,7 @@ fn a_tube_twisted_by_a_full_turn_over_eight_spans_converges() {
     let shape = rings(&(0..=40).map(|k| [0.1 * f64::from(k) - 2.0, 0.4]).collect::<Vec<_>>(), 24);
     // A ring of pins each quarter turn: an eighth would say more than the lattice has to find out.
     let pins = turned(0.4, (0..=4).map(|k| (f64::from(k) - 2.0, f64::from(k) * FRAC_PI_2)));
-    let solution = solved(&grid, &shape, &pins, &Settings::default());
+    let solution = run(&grid, &shape, &pins, &Settings::default());
     assert_converged(&solution, &grid, 60);
     // Halfway between two rings of pins the tube has turned halfway.
     let [x, _, z] = solution.lattice.evaluate([0.4, 0.5, 0.0]);
@@ -103,10 +100,10 @@ fn newtons_method_ends_where_local_global_steps_do() {
     // One that turns the shape around it brings the response of its region in.
     pins[2].region = Some(pinwarp::solve::Region { radius: 0.4, rigidity: 0.5, stiffness: 1.0 });
     pins[2].target = [0.2, 1.1, 0.0];
-    let newton = solved(&grid, &shape, &pins, &Settings::default());
+    let newton = run(&grid, &shape, &pins, &Settings::default());
     assert_converged(&newton, &grid, 30);
     let plain = Settings { acceleration: 0, tolerance: 1e-9, iteration_limit: 20_000, ..Settings::default() };
-    let plain = solved(&grid, &shape, &pins, &plain);
+    let plain = run(&grid, &shape, &pins, &plain);
     assert!(plain.report.is_converged && plain.report.iterations > 60, "{}", plain.report.iterations);
     assert!(gap(&newton, &plain, &shape) < 1e-5 * grid.diagonal(), "{}", gap(&newton, &plain, &shape));
 }
@@ -117,7 +114,7 @@ fn solves_do_not_depend_on_the_number_of_threads() {
     let pins = turned(0.6, [(-0.8, 0.0), (0.8, 0.8)].into_iter());
     let alone = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| solved(&grid, &shape, &pins, &Settings::default()).lattice)
+        pool.install(|| run(&grid, &shape, &pins, &Settings::default()).lattice)
     };
     assert_eq!(alone(1), alone(3));
 }
@@ -134,7 +131,7 @@ fn pins_near_a_line_bend_a_shape_and_do_not_turn_it_over() {
         let on_back = |height: f64, z: f64| [(radius(height).powi(2) - z * z).sqrt(), height, z];
         let mut pins = [on_back(-0.7, 0.0), on_back(0.0, aside), on_back(0.7, 0.0)].map(|at| PointPin::new(at, at));
         (pins[1].target[0], pins[1].target[2]) = (pins[1].at[0] + by[0], pins[1].at[2] + by[1]);
-        let solution = solved(&grid, &shape, &pins, &Settings::default());
+        let solution = run(&grid, &shape, &pins, &Settings::default());
         assert_converged(&solution, &grid, 30);
         let [left, right] = [0.4, -0.4].map(|z| solution.lattice.evaluate([0.0, 0.0, z]));
         let rolled = (right[0] - left[0]).atan2(left[2] - right[2]).to_degrees();
@@ -216,11 +213,11 @@ fn pulled_balls_do_not_fold_with_the_barrier() {
     let (mut folded, mut given_way, mut slowest) = (0, 0, 0.0_f64);
     for number in 0..20 {
         let pins = pulled(number);
-        let free = solved(&grid, &shape, &pins, &Settings::default());
+        let free = run(&grid, &shape, &pins, &Settings::default());
         folded += usize::from(free.lattice.folds(&is_active).active_count > 0);
         let settings = Settings { guard: Guard::Limit, ..Settings::default() };
         let begun = std::time::Instant::now();
-        let held = solved(&grid, &shape, &pins, &settings);
+        let held = run(&grid, &shape, &pins, &settings);
         slowest = slowest.max(begun.elapsed().as_secs_f64());
         let folds = held.lattice.folds(&is_active);
         assert!(folds.active_count == 0 && folds.min_det > 0.0, "{number}: {folds:?}");
@@ -236,6 +233,6 @@ fn a_twisted_ball_converges_with_the_barrier() {
     let (grid, shape) = (cube(5), ball());
     let pins = turned(0.6, [(-0.8, 0.0), (0.8, 120_f64.to_radians())].into_iter());
     let settings = Settings { guard: Guard::Limit, ..Settings::default() };
-    let held = solved(&grid, &shape, &pins, &settings).report;
+    let held = run(&grid, &shape, &pins, &settings).report;
     assert!(held.is_converged && held.folded_model_cells == 0 && held.min_cell_det > 0.0, "{held:?}");
 }

@@ -12,8 +12,8 @@ use pinwarp::solve::{
     Cancel, Coupling, PointPin, Problem, Settings, Solution, SolveError, Targets, TimedProblem, Timeline, Trajectory,
     active_cells, solve,
 };
+use rayon::prelude::*;
 use std::sync::LazyLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Frames of an animation.
 const LAST: f64 = 12.0;
@@ -131,23 +131,7 @@ fn look_at_many(seeds: std::ops::Range<u64>, shortening: f64, weight: f64) -> Ve
 
 /// Findings of the animations of many limbs, on all cores.
 fn look_at_limbs(seeds: std::ops::Range<u64>, weight: f64, limb: impl Fn(u64) -> Limb + Sync) -> Vec<Finding> {
-    let next = AtomicUsize::new(seeds.start as usize);
-    let threads: Vec<Vec<(u64, Finding)>> = std::thread::scope(|scope| {
-        let work = || {
-            let mut found = Vec::new();
-            loop {
-                let seed = next.fetch_add(1, Ordering::Relaxed) as u64;
-                if seed >= seeds.end {
-                    return found;
-                }
-                found.push((seed, look(&Motion::new(&limb(seed), weight))));
-            }
-        };
-        let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
-    });
-    let mut found: Vec<_> = threads.into_iter().flatten().collect();
-    found.sort_by_key(|(seed, _)| *seed);
+    let found: Vec<_> = seeds.into_par_iter().map(|seed| (seed, look(&Motion::new(&limb(seed), weight)))).collect();
     for (seed, finding) in &found {
         if finding.jump > 1.0 || finding.hasty > 0 {
             eprintln!("seed {seed}: {finding:?}");

@@ -2,6 +2,8 @@
 
 #[path = "../support/python.rs"]
 mod python;
+#[path = "../support/skip.rs"]
+mod skip;
 #[path = "../support/tiny.rs"]
 mod tiny;
 
@@ -14,6 +16,7 @@ mod farm;
 mod fills;
 mod fit;
 mod guard;
+mod help;
 mod hints;
 mod info;
 mod lattices;

@@ -348,7 +348,7 @@ fn frames_on_the_disk_before_they_have_their_names() {
     command.args(["-f", "-e", "trace=fsync,fdatasync,rename,renameat,renameat2", PROGRAM]);
     let arguments = ["render", "shot.toml", "--device", "cpu", "--overwrite", "--frames", "1"];
     let Ok(traced) = command.args(arguments).arg("--fsync").output() else {
-        eprintln!("SKIPPED: strace is not installed, so --fsync was run but not watched");
+        crate::skip::skip("strace is not installed, so --fsync was run but not watched");
         return;
     };
     let calls = String::from_utf8_lossy(&traced.stderr).into_owned();

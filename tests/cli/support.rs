@@ -198,7 +198,7 @@ pub(crate) fn private_mounts() -> Option<&'static [&'static str]> {
     };
     let found = PREFIXES.iter().find(works).copied();
     if found.is_none() {
-        eprintln!("SKIPPED: mounts are not allowed here, so full and read-only disks cannot be tried");
+        crate::skip::skip("mounts are not allowed here, so full and read-only disks cannot be tried");
     }
     found
 }

@@ -3,7 +3,7 @@
 use crate::support::Bench;
 
 /// All commands, as the help lists them.
-fn commands(bench: &Bench) -> Vec<String> {
+pub(crate) fn commands(bench: &Bench) -> Vec<String> {
     let help = bench.run("-h").says(0, &[]).stdout;
     let list = help.split("Commands:").nth(1).expect("a list").split("Options:").next().expect("before the options");
     // Lines that go on are indented more.

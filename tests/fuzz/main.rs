@@ -8,6 +8,8 @@ mod assets;
 mod damage;
 mod kinds;
 mod readers;
+#[path = "../support/skip.rs"]
+mod skip;
 
 use damage::{Rng, damaged};
 use kinds::Kind;
@@ -110,7 +112,7 @@ fn try_sound(kind: &Kind, folder: &Path) {
 fn survive(kind: Kind) {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     if kind.sound.is_empty() {
-        eprintln!("SKIPPED: {}", kind.name);
+        skip::skip(kind.name);
         return;
     }
     let round = Round::of(&kind);

@@ -7,6 +7,8 @@ mod cases;
 mod compare;
 mod limits;
 mod report;
+#[path = "../support/skip.rs"]
+mod skip;
 
 use cases::{Case, cases};
 use limits::Backend;
@@ -65,7 +67,7 @@ fn a_driver_draws_the_same_pictures() {
             Err(PipelineError::Raster(RasterError::NoDevice { .. } | RasterError::UnknownDevice { .. }))
                 if !is_required() =>
             {
-                eprintln!("SKIPPED: no Vulkan driver");
+                skip::skip("no Vulkan driver");
                 return;
             }
             Err(error) => panic!("{}: {error}", case.name),

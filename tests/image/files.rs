@@ -1,6 +1,8 @@
 //! Whole files or none: cut off, damaged, malformed, no room, no permission.
 
 use super::support::{ALL, metadata, names_in, rect, sample_frame, write};
+use crate::internal::numbers::{Random, SplitMix};
+use crate::internal::skip::skip;
 use pinwarp::image::{
     Channel, Compression, Frame, ImageError, Plate, PlatePart, Preview, Storage, is_complete, picture_size, read_exr,
     read_metadata, read_plate, write_exr, write_plate, write_png,
@@ -143,18 +145,15 @@ impl Drop for TinyDisk {
 
 /// Numbers that no compression makes smaller.
 fn noise(count: usize) -> Vec<u32> {
-    let step = |state: &mut u32| {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        Some(*state >> 8)
-    };
-    (0..count).scan(1_u32, |state, _| step(state)).collect()
+    let mut random = SplitMix(1);
+    (0..count).map(|_| random.below(1 << 24) as u32).collect()
 }
 
 #[test]
 fn a_full_disk_leaves_the_old_frame_and_no_litter() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let Some(disk) = TinyDisk::mount(folder.path()) else {
-        eprintln!("SKIPPED: cannot mount a tiny disk here, so a full disk is not tested");
+        skip("cannot mount a tiny disk here, so a full disk is not tested");
         return;
     };
     let path = disk.0.join("frame.0001.exr");
@@ -187,7 +186,7 @@ fn a_folder_that_may_not_be_written_is_named() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).expect("our own folder");
     if fs::write(folder.path().join("probe"), "").is_ok() {
-        eprintln!("SKIPPED: this user may write anywhere, so a read-only folder is not tested");
+        skip("this user may write anywhere, so a read-only folder is not tested");
         return;
     }
     let path = folder.path().join("frame.exr");

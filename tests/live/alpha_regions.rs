@@ -1,5 +1,6 @@
 //! Regions of pictures whose alpha gives the shape: told before the alpha is known, they hold what any shape becomes.
 
+use crate::internal::numbers::{Congruential, Random};
 use pinwarp::live::{Controls, Coverage, Moved, Pin, ShapeSource, destination_of_any_alpha, warp};
 use pinwarp::space::{FrameSize, PixelRect, ScreenPoint};
 
@@ -9,16 +10,6 @@ const FRAME: FrameSize = FrameSize::new(320, 180);
 const SOFT: f64 = 4.0;
 
 const SEED: u64 = 7;
-
-/// Numbers that look like chance.
-struct Draws(u64);
-
-impl Draws {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        low + (high - low) * (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// A name, and whether a pixel's centre belongs to the shape.
 type Shape = (&'static str, fn(f64, f64) -> bool);
@@ -50,16 +41,16 @@ fn centre(index: usize) -> [f64; 2] {
 }
 
 /// Pins on the shape, 25 pixels apart at least; the first moves, others move or stay.
-fn pins(count: usize, is_in: fn(f64, f64) -> bool, draws: &mut Draws) -> Vec<Pin> {
+fn pins(count: usize, is_in: fn(f64, f64) -> bool, draws: &mut Congruential) -> Vec<Pin> {
     let mut places: Vec<[f64; 2]> = Vec::new();
     let mut pins = Vec::new();
     while pins.len() < count {
-        let [x, y] = [draws.within(0.0, 320.0), draws.within(0.0, 180.0)];
+        let [x, y] = [draws.between(0.0, 320.0), draws.between(0.0, 180.0)];
         if !is_in(x, y) || places.iter().any(|place| (place[0] - x).hypot(place[1] - y) < 25.0) {
             continue;
         }
-        let moves = pins.is_empty() || draws.within(0.0, 1.0) < 0.4;
-        let [dx, dy] = [0, 1].map(|_| if moves { draws.within(-23.0, 23.0) } else { 0.0 });
+        let moves = pins.is_empty() || draws.between(0.0, 1.0) < 0.4;
+        let [dx, dy] = [0, 1].map(|_| if moves { draws.between(-23.0, 23.0) } else { 0.0 });
         pins.push(Pin::new(at([x, y]), at([x + dx, y + dy])));
         places.push([x, y]);
     }
@@ -99,7 +90,7 @@ fn told(controls: &Controls) -> [f64; 4] {
 
 #[test]
 fn regions_of_an_unknown_alpha_hold_what_any_shape_becomes() {
-    let mut draws = Draws(SEED);
+    let mut draws = Congruential(SEED);
     for (name, is_in) in SHAPES {
         let is_there = |index| is_in(centre(index)[0], centre(index)[1]);
         let alpha: Vec<f32> = (0..FRAME.window().area()).map(|index| if is_there(index) { 1.0 } else { 0.0 }).collect();
@@ -116,9 +107,9 @@ fn regions_of_an_unknown_alpha_hold_what_any_shape_becomes() {
 
 #[test]
 fn where_pins_move_alike_the_region_is_the_moved_picture() {
-    let mut draws = Draws(SEED);
+    let mut draws = Congruential(SEED);
     for round in 0..12 {
-        let by = [0, 1].map(|_| draws.within(-23.0, 23.0) / 180.0);
+        let by = [0, 1].map(|_| draws.between(-23.0, 23.0) / 180.0);
         let mut pins = pins(1 + round % 4, |_, _| true, &mut draws);
         pins.iter_mut().for_each(|pin| pin.target = ScreenPoint::new(pin.rest.0.x + by[0], pin.rest.0.y + by[1]));
         let controls = Controls { moved: Moved::Masked, pins, ..Controls::default() };

@@ -195,7 +195,7 @@ fn stmaps_go_into_a_folder_by_name_and_padding_or_along_a_pattern() {
 #[test]
 fn the_map_in_the_host_is_the_map_that_pinwarp_exports() {
     let Some(program) = option_env!("CARGO_BIN_EXE_pinwarp") else {
-        eprintln!("SKIPPED: the pinwarp program is not built (feature cli)");
+        crate::skip::skip("the pinwarp program is not built (feature cli)");
         return;
     };
     let folder = folder();

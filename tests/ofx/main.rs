@@ -24,6 +24,8 @@ mod preferences;
 mod regions;
 mod rendering;
 mod scales;
+#[path = "../support/skip.rs"]
+mod skip;
 mod strangers;
 mod traps;
 mod unplaced;

@@ -1,5 +1,6 @@
 //! Fields and maps: they agree with the lattice, invert each other, and neither slide nor kink around the box.
 
+use crate::internal::numbers::{Congruential, Random};
 use glam::DVec2;
 use pinwarp::lattice::{Basis, Grid, Lattice};
 use pinwarp::plate::{Field, WarpMap};
@@ -28,11 +29,10 @@ fn shaken_in(basis: Basis, amount: f64, angle: f64) -> Lattice<2> {
 pub(super) fn random(basis: Basis, amount: f64, seed: u32) -> Lattice<2> {
     let mut lattice = Grid { dims: [7, 6], basis, lo: [0.4, 0.2], hi: [1.3, 0.8], angle: 0.0 }.at_rest();
     let pitch = [0, 1].map(|axis| lattice.grid.spacing(axis));
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64 ^ u64::from(seed);
+    let mut random = Congruential(0x9E37_79B9_7F4A_7C15 ^ u64::from(seed));
     for handle in &mut lattice.handles {
         for (x, pitch) in handle.iter_mut().zip(pitch) {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            *x += amount * pitch * ((state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0);
+            *x += random.within(amount * pitch);
         }
     }
     lattice

@@ -3,6 +3,7 @@
 
 use super::assets::asset;
 use super::support::{Studio, at, pixels};
+use crate::internal::skip::skip;
 use pinwarp::image::cryptomatte::MatteId;
 use pinwarp::image::{Frame, read_exr};
 use pinwarp::pipeline::PreparedShot;
@@ -88,7 +89,7 @@ fn cpu(case: &Case) -> Easel<CpuRaster> {
 fn vulkan(case: &Case) -> Option<Easel<VulkanRaster>> {
     Easel::new(case, |prepared| match VulkanRaster::open(&DeviceChoice::Vulkan, &prepared.scene) {
         Err(error @ RasterError::NoDevice { .. }) if std::env::var_os("PINWARP_REQUIRE_VULKAN").is_none() => {
-            eprintln!("SKIPPED: {error}");
+            skip(&error.to_string());
             None
         }
         opened => Some(opened.expect("a device")),

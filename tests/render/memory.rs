@@ -1,6 +1,7 @@
 //! What a render holds for every triangle of a scene.
 
 use super::support::Studio;
+use crate::internal::skip::skip;
 use pinwarp::pipeline::PreparedShot;
 use pinwarp::raster::Raster;
 use pinwarp::raster::cpu::CpuRaster;
@@ -153,7 +154,7 @@ fn most_kib(on: &str, temporal: &str, side: u32) -> Option<u64> {
     let found = text.lines().find_map(|line| line.split_once("PROBE ").map(|(_, found)| found.to_owned()));
     let found = found.unwrap_or_else(|| panic!("{text}{}", String::from_utf8_lossy(&run.stderr)));
     if let Some(reason) = found.strip_prefix("none: ") {
-        eprintln!("SKIPPED: {reason}");
+        skip(reason);
         return None;
     }
     Some(found.parse().expect("a number"))

@@ -2,6 +2,7 @@
 //! and on Vulkan.
 
 use super::support::{Studio, at};
+use crate::internal::skip::skip;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{Vec3, Vec4};
@@ -97,7 +98,7 @@ impl Mirror {
             frames.push(read_exr(&files[0]).unwrap());
         } else {
             assert!(std::env::var_os("PINWARP_REQUIRE_VULKAN").is_none(), "no Vulkan device");
-            eprintln!("SKIPPED: no Vulkan device");
+            skip("no Vulkan device");
         }
         frames
     }

@@ -1,7 +1,7 @@
 //! Foreign files: the Khronos samples and a game character. Skipped, and said so, where they are not at hand.
 
-#[path = "../support/skip.rs"]
-mod skip;
+#[path = "../support/shared.rs"]
+mod shared;
 
 use glam::Vec3;
 use pinwarp::pose::{ClipChoice, Pose, pose};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// A foreign file; tests that need it are skipped without it.
 pub(crate) fn shared(file: &str) -> Option<PathBuf> {
-    skip::shared(&format!("assets/{file}"))
+    shared::shared(&format!("assets/{file}"))
 }
 
 fn load_good(path: &Path) -> Scene {

@@ -2,20 +2,9 @@
 
 use super::assets::shared;
 use super::build::{Doc, load_bytes};
+use crate::internal::numbers::{Random, SplitMix};
 use pinwarp::pose::{ClipChoice, pose};
 use serde_json::json;
-
-/// A small generator of numbers (xorshift), so that a failing case can be repeated from its seed.
-struct Numbers(u64);
-
-impl Numbers {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % limit as u64) as usize
-    }
-}
 
 fn survive(bytes: &[u8]) -> bool {
     let Ok(scene) = load_bytes(bytes) else { return false };
@@ -52,7 +41,7 @@ fn flipped_bytes_of_a_small_file_do_no_harm() {
     let good = rich().glb();
     assert!(survive(&good));
     let seed = 0x5eed_0001;
-    let mut numbers = Numbers(seed);
+    let mut numbers = SplitMix(seed);
     let mut taken = 0;
     for _ in 0..3000 {
         let mut bytes = good.clone();
@@ -90,7 +79,7 @@ fn changed_numbers_in_the_json_do_no_harm() {
 fn a_cut_or_flipped_knight_does_no_harm() {
     let Some(path) = shared("kaykit/Knight.glb") else { return };
     let good = std::fs::read(path).unwrap();
-    let mut numbers = Numbers(0x5eed_0002);
+    let mut numbers = SplitMix(0x5eed_0002);
     for length in (0..40).chain((1..24).map(|part| good.len() * part / 24)).chain([good.len() - 1]) {
         assert!(load_bytes(&good[..length]).is_err(), "{length} bytes");
     }

@@ -56,9 +56,7 @@ pub(crate) fn run<const D: usize>(
     solve(&Problem { grid, shape, pins, handles, settings: &settings }).expect("a valid problem")
 }
 
-pub(crate) fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
-    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
-}
+pub(crate) use crate::internal::numbers::distance;
 
 pub(crate) fn bases() -> impl Strategy<Value = Basis> {
     prop_oneof![Just(Basis::Bspline), Just(Basis::Bernstein), Just(Basis::Bilinear), Just(Basis::Barytri)]

@@ -2,8 +2,9 @@
 //! solution; with regions, discs, painted stiffness and every basis, in the plane and in space.
 
 use super::{ball, bases, distance, few, grid, pins_2d, pins_3d, sheet};
+use crate::internal::solving::run;
 use pinwarp::lattice::{Grid, Lattice};
-use pinwarp::solve::{PointPin, Problem, Region, Settings, Shape, Solution, solve};
+use pinwarp::solve::{PointPin, Region, Settings, Shape};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
@@ -14,10 +15,6 @@ const RIGID: f64 = 1e-6;
 /// Iterates far beyond what a picture shows.
 fn exact() -> Settings {
     Settings { tolerance: 1e-8, iteration_limit: 300, ..Settings::default() }
-}
-
-fn run<const D: usize>(grid: &Grid<D>, shape: &Shape<D>, pins: &[PointPin<D>], settings: &Settings) -> Solution<D> {
-    solve(&Problem { grid, shape, pins, handles: &[], settings }).expect("a valid problem")
 }
 
 /// Every other pin takes a region along; the shape is painted in stripes.

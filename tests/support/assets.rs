@@ -1,11 +1,11 @@
 //! Real files of other programs, where they are at hand.
 
-#[path = "skip.rs"]
-mod skip;
+#[path = "shared.rs"]
+mod shared;
 
 use std::path::PathBuf;
 
 /// A file below the folder of shared assets; `None`, and a skip that everybody sees, where it is not there.
 pub(crate) fn asset(file: &str) -> Option<PathBuf> {
-    skip::shared(&format!("assets/{file}"))
+    shared::shared(&format!("assets/{file}"))
 }

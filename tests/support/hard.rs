@@ -3,6 +3,7 @@
 //! In: the number of a problem, which is its seed. Out: the problem, in a box of about 2 x 2 units.
 
 use super::figure::figure;
+use crate::internal::numbers::{Random, SplitMix};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{PointPin, Shape};
 
@@ -14,19 +15,6 @@ pub(crate) struct Hard {
     pub(crate) grid: Grid<2>,
     pub(crate) shape: Shape<2>,
     pub(crate) pins: Vec<PointPin<2>>,
-}
-
-/// Numbers of 0 to 1 (SplitMix64; G. Steele et al., "Fast Splittable Pseudorandom Number Generators", 2014).
-pub(crate) struct Numbers(pub(crate) u64);
-
-impl Numbers {
-    pub(crate) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 /// Triangles of a fine grid all of whose corners lie inside.
@@ -52,7 +40,7 @@ fn cut_out(is_inside: impl Fn([f64; 2]) -> bool) -> Shape<2> {
 
 /// One of four shapes: the figure, a disc, a bar, a ring; 4 to 16 handles a side; 2 to 9 pins on vertices, which go up to 0.7 units far.
 pub(crate) fn hard(number: u64) -> Hard {
-    let mut numbers = Numbers(1 + number);
+    let mut numbers = SplitMix(1 + number);
     let shape = match number % 4 {
         0 => figure(0.08),
         1 => cut_out(|[x, y]| x.hypot(y) < 0.9),
@@ -64,12 +52,12 @@ pub(crate) fn hard(number: u64) -> Hard {
         of.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
     };
     let padded = [bounds(0), bounds(1)].map(|[lo, hi]| [lo - 0.1 * (hi - lo), hi + 0.1 * (hi - lo)]);
-    let side = 6 + (10.0 * numbers.next()) as usize;
-    let count = 2 + (8.0 * numbers.next()) as usize;
-    let far = 0.1 + 0.6 * numbers.next();
+    let side = 6 + (10.0 * numbers.unit()) as usize;
+    let count = 2 + (8.0 * numbers.unit()) as usize;
+    let far = 0.1 + 0.6 * numbers.unit();
     let pins = (0..count).map(|_| {
-        let at = shape.points[(shape.points.len() as f64 * numbers.next()) as usize];
-        let (angle, length) = (std::f64::consts::TAU * numbers.next(), far * numbers.next().sqrt());
+        let at = shape.points[(shape.points.len() as f64 * numbers.unit()) as usize];
+        let (angle, length) = (std::f64::consts::TAU * numbers.unit(), far * numbers.unit().sqrt());
         PointPin::new(at, [at[0] + length * angle.cos(), at[1] + length * angle.sin()])
     });
     let pins = pins.collect();

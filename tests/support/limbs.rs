@@ -2,6 +2,7 @@
 //!
 //! In: a seed. Out: the problem at any time, in frame heights. The same seed gives the same animation everywhere.
 
+use crate::internal::numbers::{Random, SplitMix};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{Guard, ModelPoint, PointPin, Settings, Shape, SolveError, Targets, TimedProblem, Timeline};
 
@@ -17,25 +18,6 @@ const CELLS: [usize; 2] = [48, 4];
 
 /// Points of the model that a trajectory watches.
 const WATCHED: usize = 160;
-
-/// Repeatable random numbers (G. Steele et al., "Fast splittable pseudorandom number generators", 2014).
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// Between two numbers.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        low + (high - low) * unit
-    }
-}
 
 /// A key: angle of each bone against the one before, radians, and its length over its length at rest.
 #[derive(Clone, Debug)]
@@ -62,7 +44,7 @@ pub(crate) struct Limb {
 impl Limb {
     /// Two to four bones; keys every 12 frames turn joints by up to 60 degrees and shorten bones by up to `shortening`.
     pub(crate) fn random(seed: u64, shortening: f64, last_frame: f64) -> Self {
-        let mut random = Random::new(seed);
+        let mut random = SplitMix(seed);
         let count = random.between(2.0, 5.0) as usize;
         let rest: Vec<f64> = (0..count).map(|_| random.between(-0.4, 0.4)).collect();
         let most = 60_f64.to_radians();

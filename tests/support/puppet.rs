@@ -2,21 +2,8 @@
 //!
 //! In: a seed and the size of triangles. Out: a mesh about 1 high, and what its joints are.
 
+use crate::internal::numbers::{Random, SplitMix};
 use pinwarp::solve::{PointPin, Shape};
-
-/// Numbers from a seed (S. Vigna's SplitMix64).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    /// From 0 to 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// A figure: round strokes with a radius at each end, mirrored at x = 0 where they are limbs.
 #[derive(Clone, Debug)]
@@ -46,7 +33,7 @@ impl Puppet {
 
     /// Another figure for each seed.
     pub(crate) fn random(seed: u64) -> Self {
-        let mut random = Random(seed);
+        let mut random = SplitMix(seed);
         let mut vary = |low: f64, high: f64| low + (high - low) * random.unit();
         Self::with([
             vary(0.07, 0.1),
@@ -159,7 +146,7 @@ impl Puppet {
     }
 
     /// Arms, legs and hair turned about where they hang on.
-    pub(crate) fn posed(&self, random: &mut Random) -> Vec<PointPin<2>> {
+    pub(crate) fn posed(&self, random: &mut impl Random) -> Vec<PointPin<2>> {
         let mut pins = self.pins();
         for (k, &[joint, tip]) in self.limbs.iter().enumerate() {
             let most = [2.0, 0.7, 0.6][k / 2];

@@ -4,12 +4,15 @@
 //! Without it tests skip and say so; with `PINWARP_REQUIRE_PYTHON=1` they fail instead, but for modules that
 //! `PINWARP_PYTHON_WITHOUT` names (`bpy`).
 
+#[path = "skip.rs"]
+mod skip;
+
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::process::{Command, Output};
 use std::sync::{Mutex, PoisonError};
 
-/// What a script prints, run with the modules it needs; `None`, and a loud line, where they are not there.
+/// What a script prints, run with the modules it needs; `None`, and a skip, where they are not there.
 ///
 /// # Panics
 /// Where the script fails, with all that it said.
@@ -26,7 +29,7 @@ fn python_with(modules: &[&str]) -> Option<String> {
     let Ok(python) = std::env::var("PINWARP_PYTHON") else { return absent("PINWARP_PYTHON is not set") };
     let known_absent = std::env::var("PINWARP_PYTHON_WITHOUT").unwrap_or_default();
     if let Some(module) = modules.iter().find(|module| known_absent.split(',').any(|absent| absent == **module)) {
-        eprintln!("SKIPPED: {module} is not at hand (PINWARP_PYTHON_WITHOUT)");
+        skip::skip(&format!("{module} is not at hand (PINWARP_PYTHON_WITHOUT)"));
         return None;
     }
     // Modules that were imported once need not be again: some take seconds.
@@ -53,6 +56,6 @@ fn start(python: &str, script: &str, arguments: &[&OsStr]) -> std::io::Result<Ou
 fn absent(why: &str) -> Option<String> {
     let is_required = std::env::var_os("PINWARP_REQUIRE_PYTHON").is_some_and(|value| value == "1");
     assert!(!is_required, "PINWARP_REQUIRE_PYTHON is set, but {why}");
-    eprintln!("SKIPPED: no Python with the modules of this test: {why}");
+    skip::skip(&format!("no Python with the modules of this test: {why}"));
     None
 }

@@ -3,8 +3,9 @@
 //! In: the number of a problem, which is its seed. Out: the problem.
 
 use super::figure::{Pose, around, figure, posed};
-use super::hard::{Hard, Numbers, hard};
+use super::hard::{Hard, hard};
 use super::limbs::Limb;
+use crate::internal::numbers::{Random, SplitMix};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::solve::{PointPin, Shape, TimedProblem, Timeline};
 
@@ -30,8 +31,8 @@ fn limb(seed: u64) -> Hard {
 
 /// A strip with two to four pins along it, pressed to 60 to 95 % and turned; half of them shaken.
 fn pressed(seed: u64) -> Hard {
-    let mut numbers = Numbers(seed);
-    let mut within = |most: f64| (2.0 * numbers.next() - 1.0) * most;
+    let mut numbers = SplitMix(seed);
+    let mut within = |most: f64| numbers.within(most);
     let (count, half) = (3 + within(1.5) as i32, 0.16 + within(0.1));
     let (share, noise) = (0.775 + within(0.175), if seed.is_multiple_of(2) { 0.0 } else { 0.1 });
     let (sin, cos) = within(3.1).sin_cos();
@@ -63,8 +64,8 @@ pub(crate) fn strip(half: f64) -> Shape<2> {
 
 /// Every other limb turned, by up to 110 degrees; all pins shaken by a tenth of the box.
 fn figure_in_pose(seed: u64) -> Hard {
-    let mut numbers = Numbers(seed);
-    let mut within = |most: f64| (2.0 * numbers.next() - 1.0) * most;
+    let mut numbers = SplitMix(seed);
+    let mut within = |most: f64| numbers.within(most);
     let mut limb = |most: f64| if within(1.0) < 0.0 { within(most) } else { 0.0 };
     let pose = Pose { limbs: [limb(1.92), limb(1.92), limb(1.4), limb(1.4)], shift: [0.0; 2] };
     let mut pins = posed(pose);

@@ -2,6 +2,7 @@
 
 use super::stage::{self, everything};
 use super::support::{self, draw, target};
+use crate::internal::skip::skip;
 use pinwarp::raster::vulkan::{VulkanRaster, devices};
 use pinwarp::raster::{self, DeviceChoice, DeviceClass, Raster as _, RasterError};
 use pinwarp::scene::Scene;
@@ -82,12 +83,12 @@ fn a_driver_without_its_hardware_is_no_device() {
     let drivers =
         ["radeon", "intel", "intel_hasvk"].map(|name| format!("/usr/share/vulkan/icd.d/{name}_icd.x86_64.json"));
     let Some(driver) = drivers.iter().find(|path| std::path::Path::new(path).exists()) else {
-        eprintln!("SKIPPED: no driver of a graphics card is installed");
+        skip("no driver of a graphics card is installed");
         return;
     };
     let is_card = |info: &raster::vulkan::DeviceInfo| info.kind != raster::vulkan::DeviceKind::Software;
     if devices().is_ok_and(|all| all.iter().any(is_card)) {
-        eprintln!("SKIPPED: there is a graphics card");
+        skip("a driver without its hardware: there is a graphics card");
         return;
     }
     let said = probe_with(driver);

@@ -1,5 +1,6 @@
 //! Planes resampled on the device and on the CPU: the same picture within rounding, the same bits where nothing moves.
 
+use crate::internal::skip::skip;
 use pinwarp::image::{Frame, Plate, Storage};
 use pinwarp::plate::{Filter, Planes, WarpMap, WarpSettings, Warper, remap_plate, resampled};
 use pinwarp::raster::vulkan::{Messages, VulkanRemap};
@@ -17,7 +18,7 @@ fn with_device(work: impl FnOnce(VulkanRemap)) {
         Err(error) => {
             let is_required = std::env::var_os("PINWARP_REQUIRE_VULKAN").is_some_and(|value| value == "1");
             assert!(!is_required, "PINWARP_REQUIRE_VULKAN is set, but {error}");
-            eprintln!("SKIPPED: {error}");
+            skip(&error.to_string());
         }
     }
     assert_eq!(messages.take(), Vec::<String>::new());

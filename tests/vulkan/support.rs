@@ -1,5 +1,6 @@
 //! A raster with validation on, and ways to draw with it.
 
+use crate::internal::skip::skip;
 use glam::Vec2;
 use pinwarp::image::Frame;
 use pinwarp::raster::vulkan::{Messages, VulkanRaster};
@@ -53,13 +54,13 @@ pub(crate) fn open(scene: &Scene) -> Option<Checked> {
     match VulkanRaster::open_validated(&DeviceChoice::Vulkan, scene, &messages) {
         Ok(raster) => return Some(Checked { raster: Some(raster), messages }),
         Err(error) if is_required() => panic!("PINWARP_REQUIRE_VULKAN is set, but {error}"),
-        Err(error @ RasterError::NoDevice { .. }) => eprintln!("SKIPPED validation: {error}"),
+        Err(error @ RasterError::NoDevice { .. }) => skip(&format!("validation: {error}")),
         Err(error) => panic!("{error}"),
     }
     match VulkanRaster::open(&DeviceChoice::Vulkan, scene) {
         Ok(raster) => Some(Checked { raster: Some(raster), messages }),
         Err(error) => {
-            eprintln!("SKIPPED: {error}");
+            skip(&error.to_string());
             None
         }
     }

@@ -1,24 +1,8 @@
 //! Pins over a whole frame, in pixels.
 
+use crate::internal::numbers::{Random, SplitMix, distance};
 use pinwarp::live::Pin;
 use pinwarp::space::{FrameSize, ImagePoint};
-
-/// xorshift64*: the same numbers from the same seed.
-pub(crate) struct Random(u64);
-
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-
-    /// 0 to 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 /// `PROPTEST_RNG_SEED`, or one of its own.
 pub(crate) fn seed() -> u64 {
@@ -56,7 +40,7 @@ impl Case {
 }
 
 /// Pins anywhere (some in a cluster, some at the border), each going up to 40 % of the room that it has.
-pub(crate) fn scattered(random: &mut Random, frame: FrameSize, count: usize) -> Case {
+pub(crate) fn scattered(random: &mut SplitMix, frame: FrameSize, count: usize) -> Case {
     let size = [f64::from(frame.width), f64::from(frame.height)];
     let mut places: Vec<[f64; 2]> = Vec::new();
     while places.len() < count {
@@ -90,8 +74,4 @@ fn room(place: [f64; 2], taken: &[[f64; 2]], size: [f64; 2]) -> f64 {
 
 fn off_border([x, y]: [f64; 2], [width, height]: [f64; 2]) -> f64 {
     x.min(y).min(width - x).min(height - y)
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }

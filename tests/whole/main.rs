@@ -3,7 +3,8 @@
 mod cases;
 mod measure;
 
-use cases::{Case, FRAMES, Random, scattered};
+use crate::internal::numbers::SplitMix;
+use cases::{Case, FRAMES, scattered};
 use measure::{Measures, measure};
 use pinwarp::lattice::Basis;
 use pinwarp::live::{Controls, Pin, ShapeSource, Warp, Wording, warp};
@@ -37,7 +38,7 @@ fn wording(case: &Case) -> Wording<'static> {
 fn scattered_pins_are_met_and_the_picture_stays_whole() {
     let seed = cases::seed();
     println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = SplitMix(seed);
     for frame in FRAMES {
         for basis in Basis::ALL {
             let mut worst = Measures::default();
@@ -90,7 +91,7 @@ fn problems_that_once_tore_pictures_no_longer_do() {
 fn the_warp_follows_its_pins_steadily() {
     let seed = cases::seed();
     println!("seed {seed}");
-    let mut random = Random::new(seed);
+    let mut random = SplitMix(seed);
     let frame = FRAMES[0];
     for basis in [Basis::Bspline, Basis::Barytri] {
         for count in [1, 2, 4, 8, 16] {
@@ -203,7 +204,7 @@ fn a_pin_that_turns_and_scales_does_so_exactly() {
 
 #[test]
 fn maps_agree_with_the_field_both_ways() {
-    let mut random = Random::new(7);
+    let mut random = SplitMix(7);
     for (frame, count) in [(FRAMES[0], 12), (FRAMES[0], 32), (FRAMES[1], 16)] {
         let case = scattered(&mut random, frame, count);
         let mut pins = case.pins();

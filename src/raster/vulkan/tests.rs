@@ -10,6 +10,7 @@ use super::raster::VulkanRaster;
 use super::remap::VulkanRemap;
 use super::shim::{self, Fault};
 use crate::image::Frame;
+use crate::internal::skip::skip;
 use crate::plate::{Filter as PlateFilter, Planes, WarpMap};
 use crate::raster::{
     ChannelGroup, DeviceChoice, Draw, Geometry, Pass, PassRole, Raster, RasterError, RasterVertex, Target,
@@ -29,7 +30,7 @@ fn instance(messages: &Messages) -> Option<Arc<Instance>> {
     if std::env::var_os("PINWARP_REQUIRE_VULKAN").is_some_and(|value| value == "1") {
         return Some(opened.expect("PINWARP_REQUIRE_VULKAN is set"));
     }
-    opened.map_err(|error| eprintln!("SKIPPED: {error}")).ok()
+    opened.map_err(|error| skip(&error.to_string())).ok()
 }
 
 fn device(instance: &Arc<Instance>) -> Arc<Device> {

@@ -17,7 +17,7 @@ pub(crate) mod session;
 mod spec;
 mod world;
 
-pub(crate) use making::feed;
+pub(crate) use making::{Set, feed};
 pub(crate) use pixels::{Depth, Pixels, Rows};
 pub(crate) use profile::Profile;
 pub(crate) use session::{Frame, Host, Node, Which, declared};
