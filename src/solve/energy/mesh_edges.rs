@@ -172,7 +172,7 @@ mod tests {
             .unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared").into());
         let Ok(text) = std::fs::read_to_string(std::path::Path::new(&shared).join("oracle/units.json")) else {
             assert!(std::env::var_os("PINWARP_REQUIRE_SHARED").is_none(), "the reference units are not there");
-            eprintln!("SKIPPED: the reference units are not there; set PINWARP_SHARED");
+            crate::internal::skip::skip("the reference units are not there; set PINWARP_SHARED");
             return;
         };
         let units: serde_json::Value = serde_json::from_str(&text).expect("JSON");

@@ -265,7 +265,7 @@ mod tests {
         let text = std::fs::read_to_string(std::path::Path::new(&shared).join("oracle/units.json"));
         if text.is_err() {
             assert!(std::env::var_os("PINWARP_REQUIRE_SHARED").is_none(), "the reference units are not there");
-            eprintln!("SKIPPED: the reference units are not there; set PINWARP_SHARED");
+            crate::internal::skip::skip("the reference units are not there; set PINWARP_SHARED");
         }
         Some(serde_json::from_str(&text.ok()?).expect("JSON"))
     }
