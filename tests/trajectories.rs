@@ -418,13 +418,8 @@ fn a_held_pose_stands_still() {
     let motion = Motion { limb: &limb, trajectory: Some(trajectory.expect("solved")) };
     let held = motion.points(20.0);
     assert!(farthest(&held, limb.points()) > 100.0);
-    for time in [21.0, 25.0, 30.0] {
+    for time in [20.5, 21.0, 24.25, 25.0, 29.9, 30.0] {
         assert_eq!(motion.points(time), held, "at {time}");
-    }
-    // Between frames, what lies between the watched points may settle by a fraction of a pixel.
-    for time in [20.5, 24.25, 29.9] {
-        let moved = farthest(&motion.points(time), &held);
-        assert!(moved < 0.5, "{moved} px at {time}");
     }
 }
 

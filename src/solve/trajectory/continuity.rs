@@ -23,9 +23,11 @@ const LASTING: f64 = 0.75;
 /// Tolerance of the search for jumps, as a fraction of the least speed.
 const JUMP_TOLERANCE: f64 = 0.25;
 
-/// Multiples of an interval's weight that are tried until the motion is continuous. With the last the motion is practically the
-/// interpolation of the knots.
+/// Multiples of an interval's weight that are tried until the motion is continuous.
 const FACTORS: [f64; 3] = [1.0, 256.0, 65536.0];
+
+/// The factor with which the motion is practically the interpolation of the knots.
+pub(super) const INTERPOLATING: f64 = FACTORS[FACTORS.len() - 1];
 
 /// Number of halvings that measure a jump.
 const JUMP_DEPTH: u32 = 10;
@@ -66,7 +68,7 @@ impl Interior {
         match self {
             Self::Coupled => FACTORS[0],
             Self::Searched { min_depth } => Interval::new(knots, index, min_depth, probe).continuous_factor(),
-            Self::Interpolated => FACTORS[FACTORS.len() - 1],
+            Self::Interpolated => INTERPOLATING,
         }
     }
 }

@@ -26,6 +26,7 @@ use super::settings::Settings;
 use super::targets::Targets;
 use super::upright::Upright;
 use chain::{Chain, SettledInterval};
+use continuity::INTERPOLATING;
 use displacement::Displacement;
 use knot::{Knot, Proximal};
 use rayon::prelude::*;
@@ -205,6 +206,10 @@ impl<const D: usize> Trajectory<D> {
             Neighbourhood::Proximal(Proximal { displacement: state.clone(), weights })
         };
         match pair {
+            // What stands still does so to the bit.
+            (Some(from), Some(to)) if self.interior_factors[before as usize] == INTERPOLATING && from == to => {
+                Neighbourhood::Knot(from)
+            }
             (Some(_), Some(_)) => {
                 let interval = before as usize;
                 let proximal = self.knots.proximal(interval, place - before, self.interior_factors[interval]);
