@@ -96,8 +96,8 @@ fn pixel_width(map: &WarpMap, axis: usize, pixel: [usize; 2]) -> f32 {
     slope(0).hypot(slope(1)).clamp(NARROWEST, 1.0)
 }
 
-/// Returns the least slope, without its sign, between a pixel's centre and its far side: from the steps to the next pixel and from there to
-/// the one after it, on the other side, as it is half-way to the next, or extrapolated to a quarter of a pixel beyond the centre.
+/// Returns the width of a pixel's half that faces the border, twice, from the steps to the next two pixels away from the border: the first
+/// step, or what both extrapolate to the middle of that half, three quarters of a pixel before the first step's middle; the lesser.
 fn least_slope(near: f32, next: f32) -> f32 {
     near.abs().min((1.75 * near - 0.75 * next).abs())
 }
