@@ -114,15 +114,60 @@ fn texel_at(place: vec2<i32>) -> vec4<f32> {
 /// Distance in pixels over which a border may be pulled into the picture and still counts as resting.
 const RESTING: f32 = 0.001953125;
 
-/// Fraction of a pixel inside those borders at which the picture ends, 0 to 1.
-fn coverage(place: Place) -> f32 {
+/// Least width of an output pixel in the picture, in samples, that counts where the warp magnifies.
+const NARROWEST: f32 = 0.015625;
+
+/// The same in pixels of the result, where the warp magnifies without limit.
+const UNSURE: f32 = 0.125;
+
+/// How far a position lies beyond the last samples on the sides where the picture continues, at most 1; 0 elsewhere.
+fn excess(place: Place) -> vec2<f32> {
     let sample = vec2<f32>(place.sample);
-    let before = select(vec2<f32>(1.0), sample + 1.0 + place.fraction, push.goes_on_before == vec2<u32>(1u));
-    let rest = vec2<f32>(push.count) - sample - place.fraction;
-    let after = select(vec2<f32>(1.0), rest, push.goes_on_after == vec2<u32>(1u));
-    let inside = clamp(min(before, after), vec2<f32>(0.0), vec2<f32>(1.0));
-    let both = max(inside, min(2.0 * inside - (1.0 - 2.0 * RESTING), vec2<f32>(1.0)));
-    return both.x * both.y;
+    let before = select(vec2<f32>(0.0), -sample - place.fraction, push.goes_on_before == vec2<u32>(1u));
+    let rest = sample + place.fraction - vec2<f32>(push.count - 1);
+    let after = select(vec2<f32>(0.0), rest, push.goes_on_after == vec2<u32>(1u));
+    return clamp(max(before, after), vec2<f32>(0.0), vec2<f32>(1.0));
+}
+
+/// Fraction of a pixel inside those borders at which the picture ends, 0 to 1.
+fn coverage(pixel: vec2<i32>, place: Place) -> f32 {
+    let beyond = excess(place);
+    if all(beyond == vec2<f32>(0.0)) {
+        return 1.0;
+    }
+    let width = pixel_width(pixel);
+    let inside = clamp((0.5 - beyond) / width + 0.5, vec2<f32>(0.0), vec2<f32>(1.0));
+    let resting = RESTING + UNSURE * (1.0 - width);
+    let both = max(inside, min(2.0 * inside - (1.0 - 2.0 * resting), vec2<f32>(1.0)));
+    return select(both.x, 1.0, beyond.x == 0.0) * select(both.y, 1.0, beyond.y == 0.0);
+}
+
+/// Width of an output pixel along both axes of the picture, in samples, at most 1.
+fn pixel_width(pixel: vec2<i32>) -> vec2<f32> {
+    let across = slope(pixel, vec2<i32>(1, 0));
+    let down = slope(pixel, vec2<i32>(0, 1));
+    return clamp(sqrt(across * across + down * down), vec2<f32>(NARROWEST), vec2<f32>(1.0));
+}
+
+/// Least change of both coordinates of the picture along an axis of the map, without its sign, at most 1.
+fn slope(pixel: vec2<i32>, step: vec2<i32>) -> vec2<f32> {
+    var least = vec2<f32>(1.0);
+    let before = offset_step(pixel - step, step);
+    let before_next = offset_step(pixel - 2 * step, step);
+    if before_next.is_known && before.is_known {
+        least = min(least, least_slope(before.by + vec2<f32>(step), before_next.by + vec2<f32>(step)));
+    }
+    let after = offset_step(pixel, step);
+    let after_next = offset_step(pixel + step, step);
+    if after.is_known && after_next.is_known {
+        least = min(least, least_slope(after.by + vec2<f32>(step), after_next.by + vec2<f32>(step)));
+    }
+    return least;
+}
+
+/// Least slope between a pixel's centre and its far side: `least_slope` in border.rs.
+fn least_slope(near: vec2<f32>, next: vec2<f32>) -> vec2<f32> {
+    return min(abs(near), abs(1.75 * near - 0.75 * next));
 }
 
 // --- Places: places.rs, nearest.rs ----------------------------------------------------------------------------------
@@ -399,7 +444,7 @@ fn write_bits(pixel: vec2<i32>, bits: vec4<u32>) {
 }
 
 fn write(pixel: vec2<i32>, place: Place, sum: vec4<f32>) {
-    write_bits(pixel, bitcast<vec4<u32>>(sum * coverage(place)));
+    write_bits(pixel, bitcast<vec4<u32>>(sum * coverage(pixel, place)));
 }
 
 /// Distributes the weights of NaN samples over the others; 0 if too few are numbers.

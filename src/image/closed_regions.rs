@@ -1,11 +1,13 @@
 //! The regions of a drawing that its lines close, as the paint bucket of a paint program finds them.
 //!
-//! In: the samples of a drawing. Out: [`ClosedRegions`]. Gaps are closed by the trapped-ball method: a region is where a disc as wide as
+//! In: the samples of a drawing. Out: [`ClosedRegions`]; the parts of a drawing that is divided by them. Gaps are closed by the trapped-ball method: a region is where a disc as wide as
 //! the greatest gap can go without touching a line. S.-H. Zhang, T. Chen, Y.-F. Zhang, S.-M. Hu and R. R. Martin, "Vectorizing Cartoon
 //! Animations", IEEE TVCG 15 (2009), 618–629, doi.org/10.1109/TVCG.2009.9, section 3.1.
 
 use super::LabelMap;
+use super::ink::Ink;
 use super::label_map::{NO_LABEL, neighbours, with_neighbours};
+use super::line_owners::Lines;
 use super::squared_distance::squared_distances;
 use super::srgb::srgb_byte;
 use crate::space::PixelRect;
@@ -30,17 +32,24 @@ pub(crate) struct LineRule {
     pub(crate) threshold: f64,
     /// Greatest gap that is closed, heights of the drawing.
     pub(crate) gap: f64,
+    /// Greatest width of a line, heights of the drawing.
+    pub(crate) line: f64,
 }
 
 /// The closed regions of a drawing.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ClosedRegions {
-    /// The region of every cell; lines, and what is narrower than the gap, have that of the nearest region.
-    pub(crate) map: LabelMap,
-    /// The same without lines and without the surroundings of the drawing.
+    /// The region of every cell, without lines and without the surroundings of the drawing.
     pub(crate) inside: LabelMap,
-    /// Number of regions, whose labels are 1, 2, ...
-    pub(crate) count: usize,
+    /// Number of cells of the regions, whose labels are 1, 2, ...
+    pub(crate) areas: Vec<usize>,
+    ink: Ink,
+    /// #cells.
+    light: Vec<u8>,
+    /// Contrast of a line, 0 to 255.
+    contrast: u8,
+    /// Greatest width of a line, cells.
+    widest: f32,
 }
 
 impl Drawing {
@@ -79,7 +88,12 @@ impl Drawing {
 
     /// Returns the regions that lines close.
     pub(crate) fn regions(&self, rule: LineRule) -> ClosedRegions {
-        let is_line = self.lines(rule.threshold);
+        let light = self.light();
+        let contrast = (rule.threshold * 255.0) as u8;
+        let widest = rule.line * f64::from(self.size[1]);
+        let ink = Ink::find(&light, self.size[0] as usize, contrast, widest);
+        let mut is_line = self.lines(rule.threshold);
+        is_line.iter_mut().zip(&ink.is_ink).for_each(|(is_line, is_ink)| *is_line |= is_ink);
         let radius = 0.5 * rule.gap * f64::from(self.size[1]);
         let distances = squared_distances(&is_line, self.size[0] as usize);
         let is_core = |cell: usize| !is_line[cell] && f64::from(distances[cell]) > radius * radius;
@@ -100,9 +114,17 @@ impl Drawing {
         for label in inside.labels.iter_mut().filter(|label| **label != NO_LABEL) {
             *label = numbers[*label as usize - 1];
         }
-        let mut map = inside.clone();
-        map.spread(|_| true);
-        ClosedRegions { map, inside, count }
+        let mut areas = vec![0; count];
+        inside.labels.iter().filter(|label| **label != NO_LABEL).for_each(|label| areas[*label as usize - 1] += 1);
+        ClosedRegions { inside, areas, ink, light, contrast, widest: widest as f32 }
+    }
+
+    /// Returns the luma of every cell; that of its darkest pixel if it has several.
+    fn light(&self) -> Vec<u8> {
+        let luma = |[[r, g, b, _], _]: &[[u8; 4]; 2]| {
+            ((54 * u32::from(*r) + 183 * u32::from(*g) + 19 * u32::from(*b)) / 256) as u8
+        };
+        self.cells.par_iter().map(luma).collect()
     }
 
     /// Returns the cells whose neighbourhood of 3 x 3 cells has more contrast than the threshold in some channel.
@@ -158,6 +180,27 @@ impl Drawing {
     }
 }
 
+impl ClosedRegions {
+    /// Returns the region of every cell. A line belongs in its whole width to one of the regions that it bounds: to the smallest of `first`,
+    /// else to the smallest. What else is no region has the nearest.
+    pub(crate) fn map(&self, first: &[u32]) -> LabelMap {
+        let mut order: Vec<u32> = (1..=self.areas.len() as u32).collect();
+        order.sort_by_key(|label| (!first.contains(label), self.areas[*label as usize - 1], *label));
+        let lines = Lines { ink: &self.ink, light: &self.light, contrast: self.contrast / 2, widest: self.widest };
+        let mut map = self.inside.clone();
+        map.spread(|cell| !self.ink.is_ink[cell]);
+        lines.complete_corners(&mut map);
+        lines.give(&mut map, &order);
+        map.spread(|_| true);
+        map
+    }
+
+    /// Whether there is ink in a cell.
+    pub(crate) fn is_ink(&self, cell: usize) -> bool {
+        self.ink.is_ink[cell]
+    }
+}
+
 /// What a connected area without lines is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -192,7 +235,7 @@ mod tests {
             pixels.map(|is_ink| if is_ink { (0.0, 1.0) } else { (paper, paper) }).unzip();
         let window = PixelRect { x: 0, y: 0, width: SIDE, height: SIDE };
         let drawing = Drawing::of([&light, &light, &light, &alpha], window, [SIDE; 2]).expect("not empty");
-        drawing.regions(LineRule { threshold: 0.25, gap })
+        drawing.regions(LineRule { threshold: 0.25, gap, line: 0.025 })
     }
 
     /// A box from 10 to 70, divided at 40 by a line with a gap of this size.
@@ -212,34 +255,74 @@ mod tests {
     #[test]
     fn lines_on_paper_close_regions_and_belong_to_the_nearest() {
         let found = regions(1.0, 0.0, boxes(0));
-        assert_eq!(found.count, 3, "paper, left, right");
+        assert_eq!(found.areas.len(), 3, "paper, left, right");
         let [paper, left, right, line] = [(3, 3), (25, 40), (55, 40), (40, 40)].map(|(x, y)| label(&found, x, y));
         assert!(paper != left && left != right && right != paper && line == NO_LABEL);
-        assert!(found.map.labels.iter().all(|&label| label != NO_LABEL));
-        assert_eq!(found.map.labels[40 * SIDE as usize + 38], left);
+        assert!(found.map(&[]).labels.iter().all(|&label| label != NO_LABEL));
+        assert_eq!(found.map(&[]).labels[40 * SIDE as usize + 38], left);
     }
 
     #[test]
     fn gaps_are_closed_up_to_their_greatest_size() {
-        let count = |gap: f64| regions(1.0, gap, boxes(9)).count;
+        let count = |gap: f64| regions(1.0, gap, boxes(9)).areas.len();
         assert_eq!([0.0, 0.05, 0.15, 0.2].map(count), [2, 2, 3, 3]);
     }
 
     #[test]
     fn of_lines_without_paper_only_what_they_close_is_a_region() {
         let found = regions(0.0, 0.0, boxes(0));
-        assert_eq!((found.count, label(&found, 3, 3)), (2, NO_LABEL));
+        assert_eq!((found.areas.len(), label(&found, 3, 3)), (2, NO_LABEL));
         assert!(label(&found, 25, 40) != label(&found, 55, 40));
         assert!(
-            found.map.labels.iter().all(|&label| label != NO_LABEL),
+            found.map(&[]).labels.iter().all(|&label| label != NO_LABEL),
             "the outer half of a line belongs to the region within"
         );
+    }
+
+    /// Disc in a line of this width, with a black dot of some radius on the line.
+    fn disc(wide: f64, dot: f64) -> ClosedRegions {
+        let place = |k: u32| (f64::from(k % SIDE) - 39.5, f64::from(k / SIDE) - 39.5);
+        let is_ink = |(x, y): (f64, f64)| (x.hypot(y) - 20.0).abs() < 0.5 * wide || (x - 20.0).hypot(y) < dot;
+        let light: Vec<f32> = (0..SIDE * SIDE).map(|k| if is_ink(place(k)) { 0.0 } else { 1.0 }).collect();
+        let window = PixelRect { x: 0, y: 0, width: SIDE, height: SIDE };
+        let drawing =
+            Drawing::of([&light, &light, &light, &vec![1.0; light.len()]], window, [SIDE; 2]).expect("not empty");
+        drawing.regions(LineRule { threshold: 0.25, gap: 0.02, line: 0.12 })
+    }
+
+    #[test]
+    fn a_line_belongs_as_a_whole_to_one_of_the_regions_that_it_bounds() {
+        for wide in [1.5, 3.0, 4.0, 5.0, 6.0, 8.0] {
+            let found = disc(wide, 0.0);
+            assert_eq!(found.areas.len(), 2, "{wide}: paper and disc");
+            let [paper, within] = [(2, 2), (40, 40)].map(|(x, y)| label(&found, x, y));
+            // The smaller one, or the one that comes first.
+            for (first, owner) in [(vec![], within), (vec![within], within), (vec![paper], paper)] {
+                let map = found.map(&first);
+                let wrong =
+                    (0..map.labels.len()).filter(|&cell| found.is_ink(cell) && map.labels[cell] != owner).count();
+                assert_eq!(wrong, 0, "{wide} {first:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_dot_on_a_line_is_a_region_and_takes_no_more_of_the_line_than_is_beside_it() {
+        let found = disc(4.0, 8.0);
+        assert_eq!(found.areas.len(), 3);
+        let [within, dot] = [(40, 40), (60, 40)].map(|(x, y)| label(&found, x, y));
+        let map = found.map(&[within]);
+        for cell in (0..map.labels.len()).filter(|&cell| found.is_ink(cell)) {
+            let (x, y) = ((cell as u32 % SIDE) as f32 - 39.5, (cell as u32 / SIDE) as f32 - 39.5);
+            let owner = map.labels[cell];
+            assert!(owner == within || owner == dot && (x - 20.0).hypot(y) < 13.0, "{x} {y}");
+        }
     }
 
     #[test]
     fn dark_areas_without_lines_are_regions_too() {
         let found = regions(1.0, 0.0, |x, y| x > 30 && y > 30);
-        assert_eq!(found.count, 2);
+        assert_eq!(found.areas.len(), 2);
         assert!(label(&found, 60, 60) != label(&found, 10, 10));
     }
 
@@ -252,6 +335,6 @@ mod tests {
         let window = PixelRect { x: 0, y: 0, width, height };
         let drawing = Drawing::of([&light, &light, &light, &alpha], window, [width, height]).expect("not empty");
         assert_eq!(drawing.size, [1667, 34]);
-        assert_eq!(drawing.regions(LineRule { threshold: 0.25, gap: 0.01 }).count, 6);
+        assert_eq!(drawing.regions(LineRule { threshold: 0.25, gap: 0.01, line: 0.025 }).areas.len(), 6);
     }
 }

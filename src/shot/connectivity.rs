@@ -11,6 +11,9 @@ pub(super) const ISLAND_RADIUS: f64 = 0.1;
 /// Default greatest gap in a line that still closes a region, frame heights.
 pub(super) const GAP: f64 = 0.01;
 
+/// Default greatest width of a line, frame heights.
+pub(super) const LINE: f64 = 0.025;
+
 /// Default contrast of a line with what lies beside it, as a fraction of that of black and white.
 pub(super) const CONTRAST: f64 = 0.25;
 
@@ -95,6 +98,8 @@ pub(crate) struct LineArt {
     pub at: Vec<[f64; 2]>,
     /// Greatest gap in a line that still closes a region, frame heights.
     pub gap: f64,
+    /// Greatest width of a line, frame heights.
+    pub line: f64,
     /// Contrast of a line with what lies beside it, as a fraction of that of black and white.
     pub threshold: f64,
 }

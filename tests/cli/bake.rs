@@ -152,3 +152,13 @@ fn events_in_json_and_shots_without_time() {
     assert!(trajectories(&alone).is_empty());
     alone.run("bake none.toml").says(2, &["none.toml"]);
 }
+
+#[test]
+fn a_trajectory_that_cannot_be_written_names_its_file_and_the_reason() {
+    let bench = Bench::with_shot(&timed());
+    std::fs::create_dir_all(bench.path("out")).expect("a folder");
+    bench.write(FOLDER, b"no folder");
+    let ended = bench.run("bake shot.toml").says(1, &["its trajectory could not be written"]);
+    let error = ended.stderr.lines().find(|line| line.starts_with("error: layer 'all'"));
+    assert!(error.is_some_and(|line| line.contains("cannot write") && line.contains(FOLDER)), "{}", ended.stderr);
+}

@@ -2,7 +2,7 @@
 //!
 //! In: a shot of pictures, its scene, the parts of its layers. Out: the parts of every picture by its cuts; finer meshes.
 
-use super::picture_parts::PictureParts;
+use super::picture_parts::{PartMap, PictureParts, share_lines};
 use crate::image::LabelMap;
 use crate::key_fault::KeyFault;
 use crate::pipeline::PipelineError;
@@ -51,10 +51,17 @@ impl PictureCuts {
             let &[part] = &parts[..] else { continue };
             let node = &scene.nodes[posed[part].node];
             let Some(mesh) = node.mesh.filter(|_| layer.can_branch()) else { continue };
-            for (number, cut) in layer.connectivity.cuts.iter().enumerate() {
-                let map = PictureParts { shot, name: &node.name }.of(cut).map_err(|KeyFault { key, what, hint }| {
+            let cuts = &layer.connectivity.cuts;
+            let picture = PictureParts { shot, layer, name: &node.name };
+            let parts = cuts.iter().enumerate().map(|(number, cut)| {
+                picture.of(cut).map_err(|KeyFault { key, what, hint }| {
                     fault((shot, index), &format!("cuts[{number}].{key}"), &what, &hint)
-                })?;
+                })
+            });
+            let mut parts: Vec<Option<PartMap>> = parts.collect::<Result<_, _>>()?;
+            share_lines(&mut parts);
+            for (number, (cut, parts)) in cuts.iter().zip(parts).enumerate() {
+                let map = parts.map(|parts| parts.map);
                 let of_mesh = found.lines.entry(mesh).or_default();
                 let height = map.as_ref().map_or(shot.size.height, |map| map.size[1]);
                 of_mesh.tolerance = of_mesh.tolerance.max(TOLERANCE / f64::from(height));

@@ -1,17 +1,16 @@
 //! The parts into which a mask, ids or the lines of a drawing divide a picture.
 //!
-//! In: a cut of a picture. Out: the part of every pixel or triangle, or a [`KeyFault`] with its key within the cut.
+//! In: a cut of a picture. Out: the part of every pixel or triangle, or a [`KeyFault`] with its key within the cut. Lines that two cuts choose go to one of them.
 
 use super::rest_mesh::RestMesh;
 use crate::image::{
-    CHOSEN, ClosedRegions, Drawing, LabelMap, LineRule, NO_LABEL, OTHER, PaintedMap, Plate, are_of_one_shape,
-    flat_colors, read_any,
+    CHOSEN, LabelMap, LineRule, NO_LABEL, OTHER, PaintedMap, Plate, are_of_one_shape, flat_colors, read_any,
 };
 use crate::key_fault::KeyFault;
 use crate::pipeline::PipelineError;
 use crate::pipeline::pictures::{drawing_in, drawing_of};
 use crate::plate::{PlateError, channel_labels, chosen_labels, cryptomatte_labels};
-use crate::shot::{Cut, IdChoice, IdPicture, LineArt, PaintedMask, Selection, Shot};
+use crate::shot::{Anchor, Cut, IdChoice, IdPicture, Layer, LineArt, PaintedMask, Selection, Shot};
 use crate::space::{FrameSize, uv_from_screen};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,21 +18,57 @@ use std::path::Path;
 /// Number of places along each side of a triangle at which its part is looked up.
 const PLACES: usize = 6;
 
+/// The parts into which a cut divides a frame.
+pub(super) struct PartMap {
+    /// The part of every pixel.
+    pub(super) map: LabelMap,
+    /// #pixels: the area of the region to which a chosen line belongs, in pixels; 0 elsewhere. Empty if no region is chosen.
+    lines: Vec<u32>,
+}
+
+impl From<LabelMap> for PartMap {
+    fn from(map: LabelMap) -> Self {
+        Self { map, lines: Vec::new() }
+    }
+}
+
+/// Leaves lines that several cuts choose to that with the smaller region, of equal ones to the first.
+pub(super) fn share_lines(parts: &mut [Option<PartMap>]) {
+    for second in 1..parts.len() {
+        let (before, [after, ..]) = parts.split_at_mut(second) else { return };
+        let Some(after) = after else { continue };
+        let size = after.map.size;
+        for before in before.iter_mut().flatten().filter(|before| before.map.size == size) {
+            for pixel in 0..before.lines.len().min(after.lines.len()) {
+                let [first, second] = [before.lines[pixel], after.lines[pixel]];
+                if first > 0 && second > 0 {
+                    let loser = if first <= second { &mut *after } else { &mut *before };
+                    (loser.lines[pixel], loser.map.labels[pixel]) = (0, OTHER);
+                }
+            }
+        }
+    }
+}
+
 /// A picture of a shot.
 pub(super) struct PictureParts<'a> {
     /// The shot.
     pub(super) shot: &'a Shot,
+    /// The layer that moves it.
+    pub(super) layer: &'a Layer,
     /// Name of the picture.
     pub(super) name: &'a str,
 }
 
 impl PictureParts<'_> {
     /// Returns the parts into which a cut divides the frame; `None` for strokes, and for cuts that name nothing of a picture.
-    pub(super) fn of(&self, cut: &Cut) -> Result<Option<LabelMap>, KeyFault> {
+    pub(super) fn of(&self, cut: &Cut) -> Result<Option<PartMap>, KeyFault> {
         match cut {
-            Cut::Ids(ids) => self.by_ids(ids).map(Some),
+            Cut::Ids(ids) => self.by_ids(ids).map(|map| Some(map.into())),
             Cut::Regions(lines) => self.by_regions(lines).map(Some),
-            Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } => self.painted(mask).map(Some),
+            Cut::Part { selection: Selection { mask: Some(mask), .. }, .. } => {
+                self.painted(mask).map(|map| Some(map.into()))
+            }
             Cut::Part { .. } | Cut::Stroke(_) | Cut::SceneStroke { .. } => Ok(None),
         }
     }
@@ -67,7 +102,7 @@ impl PictureParts<'_> {
     }
 
     /// Returns the parts by the regions that lines close.
-    fn by_regions(&self, lines: &LineArt) -> Result<LabelMap, KeyFault> {
+    fn by_regions(&self, lines: &LineArt) -> Result<PartMap, KeyFault> {
         let found = match &lines.file {
             Some(file) => drawing_in(self.shot, file),
             None => drawing_of(self.shot, self.name),
@@ -80,20 +115,33 @@ impl PictureParts<'_> {
         })?;
         let (drawing, size) = found.ok_or_else(|| unread("the picture is empty".to_owned()))?;
         self.check_shape("regions", size)?;
-        let ClosedRegions { mut map, inside, count } = self.regions(&drawing, lines);
-        if count == 0 {
+        let LineArt { threshold, gap, line, .. } = *lines;
+        let regions = drawing.regions(LineRule { threshold, gap, line });
+        if regions.areas.is_empty() {
             let hint = "lower `threshold` if the lines are faint, `gap` if the regions are narrow";
             return Err(KeyFault::new("regions", "the drawing has no closed region", hint));
         }
-        if !lines.at.is_empty() {
-            let chosen = self.regions_at(&lines.at, &inside)?;
-            map.labels.iter_mut().for_each(|label| *label = if chosen.contains(label) { CHOSEN } else { OTHER });
+        if lines.at.is_empty() {
+            return Ok(regions.map(&self.regions_with_pins(&regions.inside)).into());
         }
-        Ok(map)
+        let chosen = self.regions_at(&lines.at, &regions.inside)?;
+        let mut map = regions.map(&chosen);
+        let part = |(pixel, label): (usize, &mut u32)| {
+            let area = if chosen.contains(label) { regions.areas[*label as usize - 1] as u32 } else { 0 };
+            *label = if area > 0 { CHOSEN } else { OTHER };
+            if regions.is_ink(pixel) { area } else { 0 }
+        };
+        let lines = map.labels.iter_mut().enumerate().map(part).collect();
+        Ok(PartMap { map, lines })
     }
 
-    fn regions(&self, drawing: &Drawing, lines: &LineArt) -> ClosedRegions {
-        drawing.regions(LineRule { threshold: lines.threshold, gap: lines.gap })
+    /// Returns the regions that hold a pin of the layer which is placed on the screen.
+    fn regions_with_pins(&self, inside: &LabelMap) -> Vec<u32> {
+        let places = self.layer.pins.iter().filter_map(|pin| match pin.anchor {
+            Anchor::Screen { at, .. } => Some(inside.at(uv_from_screen(at.0.to_array(), self.shot.size.aspect()))),
+            Anchor::Surface { .. } => None,
+        });
+        places.collect()
     }
 
     /// Returns the regions that contain points.
@@ -109,7 +157,11 @@ impl PictureParts<'_> {
             match inside.at(uv_from_screen([x, y], aspect)) {
                 NO_LABEL => {
                     let what = format!("{x}, {y} lies on a line, or outside of what the lines close");
-                    Err(KeyFault::new(key, what, "move it into a region; lower `gap` if the region is narrow"))
+                    Err(KeyFault::new(
+                        key,
+                        what,
+                        "move it into a region; lower `gap` or `line` if the region is narrow",
+                    ))
                 }
                 region => Ok(region),
             }
@@ -180,5 +232,23 @@ fn missing(file: &Path, error: PlateError) -> KeyFault {
             KeyFault::new("ids", format!("no Cryptomatte of {file} contains {wanted}"), hint)
         }
         error => KeyFault::new("ids.file", error.to_string(), "give a PNG or EXR file of the picture's shape"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_two_cuts_choose_goes_to_the_smaller_region() {
+        let part = |lines: [u32; 4]| {
+            let labels = lines.map(|area| if area > 0 { CHOSEN } else { OTHER }).to_vec();
+            Some(PartMap { map: LabelMap { size: [4, 1], labels }, lines: lines.to_vec() })
+        };
+        let mut parts = [part([9, 9, 0, 9]), None, part([5, 9, 5, 0]), part([5, 0, 0, 20])];
+        share_lines(&mut parts);
+        let chosen = parts.each_ref().map(|part| part.as_ref().map(|part| part.map.labels.clone()));
+        let [a, b] = [CHOSEN, OTHER];
+        assert_eq!(chosen, [Some(vec![b, a, b, a]), None, Some(vec![a, b, a, b]), Some(vec![b, b, b, b])]);
     }
 }

@@ -16,11 +16,11 @@ use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::shot::LayerSpace;
 use crate::solve::{Cancel, Coupling, SolveError, Spread, Timeline, Trajectory};
 use layer_timeline::{KNOTS_PER_FRAME, LayerTimeline, Watcher, first_knot};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use trajectory_files::{Keeping, TrajectoryFiles};
 use watched_points::watched_points;
-use watched_trajectory::{Facts, Outcome, WatchedTrajectory};
+use watched_trajectory::{Facts, Outcome, StoredIn, WatchedTrajectory};
 use world_timeline::WorldTimeline;
 
 /// Speed that never counts as a jump, even if pins and model are at rest: one pixel per frame at 1080 lines, in frame heights.
@@ -164,7 +164,7 @@ fn coupling(prepared: &PreparedShot, index: usize, least_speed: f64) -> Coupling
 /// A trajectory and its file.
 struct Kept<const D: usize> {
     trajectory: Trajectory<D>,
-    file: Option<PathBuf>,
+    file: StoredIn,
     is_read: bool,
 }
 
@@ -175,15 +175,19 @@ fn read_or_solve<const D: usize>(
     solve: impl FnOnce() -> Result<Trajectory<D>, SolveError>,
 ) -> Result<Kept<D>, SolveError> {
     let Some(files) = &prepared.trajectory_files else {
-        return Ok(Kept { trajectory: solve()?, file: None, is_read: false });
+        return Ok(Kept { trajectory: solve()?, file: Ok(None), is_read: false });
     };
     let key = prepared.trajectory_key(index);
     let read = files.read(&key).and_then(|(bytes, path)| Some((Trajectory::from_bytes(&bytes)?, path)));
     if let Some((trajectory, path)) = read {
-        return Ok(Kept { trajectory, file: Some(path), is_read: true });
+        return Ok(Kept { trajectory, file: Ok(Some(path)), is_read: true });
     }
     let trajectory = solve()?;
-    let file = files.write(&key, &trajectory.to_bytes());
+    // Other runs can solve it again, so a frame does not fail for it.
+    let file = files.write(&key, &trajectory.to_bytes()).map_err(|error| {
+        tracing::warn!("a trajectory is not kept: {error}");
+        error.to_string().into()
+    });
     Ok(Kept { trajectory, file, is_read: false })
 }
 

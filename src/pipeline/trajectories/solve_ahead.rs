@@ -163,11 +163,11 @@ fn solve_layer(
         Ended::Failed
     };
     match facts(prepared, index, Watcher { is_cancelled: &is_cancelled, progress: &progress }) {
-        Ok(Ok(Facts { knots, spreads, file: path, is_read: is_kept })) => {
-            let is_lost = path.is_none() && prepared.trajectory_files.is_some();
-            if is_lost {
-                return failed("its trajectory could not be written".to_owned());
-            }
+        Ok(Ok(Facts { knots, spreads, file, is_read: is_kept })) => {
+            let path = match file {
+                Ok(path) => path,
+                Err(error) => return failed(format!("its trajectory could not be written: {error}")),
+            };
             let wall_secs = begun.elapsed().as_secs_f64();
             on_event(BakeEvent::LayerDone(BakedLayer {
                 layer: layer.clone(),

@@ -3,7 +3,7 @@
 //! In: a folder, a key, bytes. Out: the same bytes, or nothing. Files are replaced atomically, and concurrent writers
 //! write the same bytes, so they cannot disturb each other. A checksum detects damaged files, which count as missing.
 
-use crate::image::replace_bytes;
+use crate::image::{ImageError, replace_bytes};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -81,25 +81,20 @@ impl TrajectoryFiles {
         })
     }
 
-    /// Stores bytes under a key if the run may write, and returns the file. Failures are only logged, because other
-    /// runs can compute the bytes again.
-    pub(in crate::pipeline) fn write(&self, key: &FileKey, bytes: &[u8]) -> Option<PathBuf> {
-        let folder = self.folders.first().filter(|_| self.keeping == Keeping::Write)?;
+    /// Stores bytes under a key, and returns the file; `None` if the run may not write.
+    ///
+    /// # Errors
+    /// [`ImageError`] if the file cannot be written.
+    pub(in crate::pipeline) fn write(&self, key: &FileKey, bytes: &[u8]) -> Result<Option<PathBuf>, ImageError> {
+        let Some(folder) = self.folders.first().filter(|_| self.keeping == Keeping::Write) else { return Ok(None) };
         let path = folder.join(key.file_name());
         let mut file = HEAD.to_vec();
         file.extend(key.digest.as_bytes());
         file.extend(bytes);
         file.extend(XxHash3_128::oneshot(&file).to_le_bytes());
-        match replace_bytes(&path, &file) {
-            Ok(()) => {
-                tidy(folder, key);
-                Some(path)
-            }
-            Err(error) => {
-                tracing::warn!("a trajectory is not kept: {error}");
-                None
-            }
-        }
+        replace_bytes(&path, &file)?;
+        tidy(folder, key);
+        Ok(Some(path))
     }
 }
 
@@ -143,7 +138,7 @@ mod tests {
         let files = TrajectoryFiles::beside([folder.path().join("f.####.exr").as_path()], Keeping::Write);
         assert!(files.read(&key('a')).is_none());
         let bytes: Vec<u8> = (0..=255).collect();
-        let path = files.write(&key('a'), &bytes).expect("it is written");
+        let path = files.write(&key('a'), &bytes).expect("it is written").expect("it may be");
         assert_eq!(files.read(&key('a')), Some((bytes.clone(), path.clone())));
         let whole = fs::read(&path).expect("it is there");
         for place in 0..whole.len() {
@@ -162,7 +157,7 @@ mod tests {
         let output = folder.path().join("f.####.exr");
         let files = TrajectoryFiles::beside([output.as_path()], Keeping::Write);
         let other = FileKey { prefix: "shot.01".to_owned(), ..key('f') };
-        let path = files.write(&other, b"other").expect("it is written");
+        let path = files.write(&other, b"other").expect("it is written").expect("it may be");
         let stranger = path.with_file_name("shot.0.notes.txt");
         fs::write(&stranger, "mine").expect("written");
         for digest in '0'..='9' {
@@ -173,6 +168,8 @@ mod tests {
         assert_eq!(left, "6789");
         assert!(files.read(&other).is_some() && stranger.exists());
         let reader = TrajectoryFiles::beside([output.as_path()], Keeping::Read);
-        assert!(reader.write(&key('x'), b"no").is_none() && reader.read(&key('x')).is_none());
+        assert!(
+            reader.write(&key('x'), b"no").expect("nothing is tried").is_none() && reader.read(&key('x')).is_none()
+        );
     }
 }

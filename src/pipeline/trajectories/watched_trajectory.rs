@@ -6,13 +6,16 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// The file that stores a trajectory, `None` if the run stores none, or why it could not be written.
+pub(in crate::pipeline) type StoredIn = Result<Option<PathBuf>, Arc<str>>;
+
 /// The trajectory of a layer.
 #[derive(Debug)]
 pub(in crate::pipeline) struct WatchedTrajectory<const D: usize> {
     pub(in crate::pipeline) trajectory: Trajectory<D>,
     pub(in crate::pipeline) points: Vec<PinAnchor>,
     /// The file that stores it.
-    pub(in crate::pipeline) file: Option<PathBuf>,
+    pub(in crate::pipeline) file: StoredIn,
     /// Whether it was read from that file.
     pub(in crate::pipeline) is_read: bool,
 }
@@ -34,7 +37,7 @@ pub(in crate::pipeline) struct Facts {
     /// Frames over which a sudden jump is spread.
     pub(in crate::pipeline) spreads: Vec<Spread>,
     /// The file that stores it.
-    pub(in crate::pipeline) file: Option<PathBuf>,
+    pub(in crate::pipeline) file: StoredIn,
     /// Whether it was read from that file.
     pub(in crate::pipeline) is_read: bool,
 }

@@ -2,8 +2,9 @@
 //!
 //! In: a map and a pixel. Out: source samples and non-negative weights, from a tent filter as wide as the pixel's footprint.
 
-use super::border::Extent;
+use super::border::{Extent, coverage};
 use super::footprint::Footprint;
+use super::positions::SourcePosition;
 use crate::plate::WarpMap;
 use crate::space::PixelRect;
 
@@ -26,12 +27,15 @@ pub(crate) fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRe
     ];
     let Some(positions) = positions(offset, start, extents) else { return };
     let footprint = Footprint::at(map, column, row);
-    let coverage = extents[0].coverage(positions[0].0 as f32, positions[0].1)
-        * extents[1].coverage(positions[1].0 as f32, positions[1].1);
+    let position = SourcePosition {
+        sample: positions.map(|(sample, _)| sample as f32),
+        fraction: positions.map(|(_, fraction)| fraction),
+    };
+    let inside = coverage(&extents, &position, map, [column, row]);
     let sum = gather(&positions, &footprint, extents, source_window.width as usize, taps);
     // Far beyond a side that continues, every tap is the last sample, with coverage 0.
     taps.retain_mut(|(_, weight)| {
-        *weight *= coverage / sum;
+        *weight *= inside / sum;
         *weight > 0.0
     });
 }

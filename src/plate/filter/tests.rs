@@ -168,6 +168,36 @@ fn borders_that_rest_stay_opaque() {
     }
 }
 
+/// A border that rests stays opaque beside what is stretched away from it, whether the stretch grows or fades inwards. Where the border
+/// itself moves inwards, what is magnified ends within a pixel of the result.
+#[test]
+fn borders_that_rest_beside_a_stretch_stay_opaque() {
+    let source = plane(WINDOW, |_| 1.0);
+    // The place in the plate of what lies at a distance from the border, in pixels from it.
+    let fading = |t: f32| t - 14.0 * t / (t + 15.0);
+    let growing = |t: f32| 0.1 * t + 1.6 * (1.0 - (-0.5 * t).exp());
+    let linear = |t: f32| 0.1 * t;
+    let stretches: [&dyn Fn(f32) -> f32; 3] = [&fading, &growing, &linear];
+    for (stretch, filter) in
+        stretches.iter().flat_map(|s| [Filter::Ewa, Filter::Cubic, Filter::Lanczos].map(|f| (s, f)))
+    {
+        let pulled = |at: f32, count: f32| {
+            let inner = |t: f32| stretch(t).min(0.5 * count);
+            if at < 0.5 * count { inner(at + 0.5) - (at + 0.5) } else { (count - at - 0.5) - inner(count - at - 0.5) }
+        };
+        let maps = [map(|x, _| [pulled(x, 90.0), 0.0]), map(|x, y| [pulled(x, 90.0), pulled(y, 70.0)])];
+        for map in &maps {
+            let least = one(map, WINDOW, &source, filter).into_iter().fold(1.0_f32, f32::min);
+            assert!((least - 1.0).abs() < 1e-6, "{filter:?}: {least}");
+        }
+        let mut taps = Vec::new();
+        footprint_taps(&maps[1], 0, WINDOW, &mut taps);
+        assert!((taps.iter().map(|tap| tap.1).sum::<f32>() - 1.0).abs() < 1e-6, "{taps:?}");
+        let slid = one(&map(|x, _| [0.25 * (x - 30.3) - x - 0.5, 0.0]), WINDOW, &source, filter);
+        assert!(slid[29] == 0.0 && (slid[30] - 0.2).abs() < 1e-5 && slid[31] == 1.0, "{filter:?}: {:?}", &slid[28..33]);
+    }
+}
+
 /// A plane wave above the Nyquist frequency of the output must vanish, not alias to a lower one.
 #[test]
 fn shrinking_does_not_alias() {

@@ -7,7 +7,7 @@
 use super::Planes;
 use super::area::Area;
 use super::block::{Block, FillBlock, SampleRect, Texel};
-use super::border::Extent;
+use super::border::{Extent, coverage};
 use super::footprint::Footprint;
 use super::kernel::Accumulate;
 use super::nearest::{FindNearest, copy_samples, nearest_sample};
@@ -133,7 +133,7 @@ impl<'a> Tiles<'a> {
         }
         let sums = sums.as_chunks_mut::<N>().0;
         if (0..2).any(|axis| rect.low[axis] < 0 || rect.high[axis] > self.extents[axis].count) {
-            self.cover(positions, sums);
+            self.cover(area, positions, sums);
         }
         let last = self.source.planes.len().min(first + N * GROUP);
         let (begin, width) = (band.index(area.column, area.row), band.width);
@@ -176,10 +176,13 @@ impl<'a> Tiles<'a> {
     }
 
     /// Multiplies by the coverage at the edges of the picture.
-    fn cover<const N: usize>(&self, positions: &[SourcePosition], sums: &mut [[Texel; N]]) {
-        for (position, sums) in positions.iter().zip(sums).filter(|(position, _)| !position.is_nowhere()) {
-            let [x, y] = [0, 1].map(|axis| self.extents[axis].coverage(position.sample[axis], position.fraction[axis]));
-            sums.as_flattened_mut().iter_mut().for_each(|sample| *sample *= x * y);
+    fn cover<const N: usize>(&self, area: Area, positions: &[SourcePosition], sums: &mut [[Texel; N]]) {
+        let pixels =
+            area.rows().flat_map(|row| (area.column..area.column + area.width).map(move |column| [column, row]));
+        let near = positions.iter().zip(sums).zip(pixels).filter(|((position, _), _)| !position.is_nowhere());
+        for ((position, sums), pixel) in near {
+            let inside = coverage(&self.extents, position, self.map, pixel);
+            sums.as_flattened_mut().iter_mut().for_each(|sample| *sample *= inside);
         }
     }
 

@@ -1,11 +1,16 @@
 //! The coverage of a picture, coarse enough to be outlined fast.
 //!
-//! In: alpha of pixels. Out: a grid with an empty border, dilated by about a pixel.
+//! In: alpha of pixels. Out: a grid with an empty border, dilated by about a pixel, except into the gaps between parts.
 
+use super::slits::slits;
 use crate::space::PixelRect;
 
 /// Pictures with longer sides are outlined by blocks of pixels.
-const MAX_CELLS: u32 = 1024;
+const MAX_CELLS: u32 = 2048;
+
+/// The value of cells in a gap: the outline then passes about half-way between such a cell and a covered one, and parts of which only the
+/// corners touch across a gap are apart.
+const SLIT: f32 = -1.0;
 
 /// Thresholds of coverage below which nothing is outlined, from the one for sharp and soft edges to those for glows.
 const EDGES: [f32; 4] = [0.1, 0.05, 0.02, 0.005];
@@ -17,7 +22,7 @@ const FAINT: f64 = 0.05;
 pub(super) struct AlphaGrid {
     /// Cells across and down, including a border of one empty cell.
     pub(super) size: [usize; 2],
-    /// #cells, rows from the top, not negative.
+    /// #cells, rows from the top; [`SLIT`] in gaps between parts.
     pub(super) values: Vec<f32>,
     /// Threshold of the inside.
     pub(super) edge: f32,
@@ -41,9 +46,22 @@ impl AlphaGrid {
             }
         }
         // The maximum over a block dilates by half a block; single pixels are dilated explicitly.
-        let values = if block == 1 { spread(&values, width) } else { values };
+        let mut values = if block == 1 { spread(&values, width) } else { values };
         let most = values.iter().copied().fold(0.0, f32::max);
-        Self { size: [width, height], values, edge: edge(alpha).min(0.5 * most), window, block }
+        let edge = edge(alpha).min(0.5 * most);
+        // Gaps as narrow as this vanish from the dilated grid.
+        for pixel in slits(alpha, window.width as usize, edge, 2 * block as usize) {
+            let [x, y] =
+                [pixel % window.width as usize, pixel / window.width as usize].map(|at| at / block as usize + 1);
+            values[y * width + x] = SLIT;
+        }
+        Self { size: [width, height], values, edge, window, block }
+    }
+
+    /// Whether a point of the outline, on the line between two cells, lies beside a gap.
+    pub(super) fn is_beside_slit(&self, [x, y]: [f64; 2]) -> bool {
+        let cell = |x: f64, y: f64| self.values[y as usize * self.size[0] + x as usize];
+        cell(x.floor(), y.floor()) == SLIT || cell(x.ceil(), y.ceil()) == SLIT
     }
 
     /// Converts a position in cells to pixels of image space.

@@ -5,7 +5,7 @@
 use super::connectivity::SHAPE_HINT;
 use super::{Check, Kind, LayerDefaults};
 use crate::plate::Matte;
-use crate::shot::connectivity::{CONTRAST, GAP};
+use crate::shot::connectivity::{CONTRAST, GAP, LINE};
 use crate::shot::raw::{RawIds, RawPartCut, RawRegions};
 use crate::shot::{Cut, IdChoice, IdPicture, LineArt};
 
@@ -62,6 +62,7 @@ impl Check<'_> {
             file: raw.file.as_ref().map(|file| self.folder().join(file)),
             at,
             gap: raw.gap.unwrap_or(GAP),
+            line: raw.line.unwrap_or(LINE),
             threshold: raw.threshold.unwrap_or(CONTRAST),
         })
     }

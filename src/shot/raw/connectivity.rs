@@ -96,6 +96,9 @@ pub(in crate::shot) struct RawRegions {
     /// Greatest gap in a line that still closes a region, and least width of a region, frame heights; default: 0.01.
     #[schemars(range(min = 0.0, max = 0.25), example = 0.02)]
     pub(in crate::shot) gap: Option<f64>,
+    /// Greatest width of a line, frame heights: what is dark and wider is a region; default: 0.025.
+    #[schemars(range(min = 0.0, max = 0.25), example = 0.01)]
+    pub(in crate::shot) line: Option<f64>,
     /// Least contrast of a line with what lies beside it, as a fraction of that of black and white; default: 0.25.
     #[schemars(range(min = 0.01, max = 1.0), example = 0.15)]
     pub(in crate::shot) threshold: Option<f64>,
