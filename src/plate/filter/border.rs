@@ -8,7 +8,6 @@
 //! the cut is drawn as an edge one pixel soft. Where the warp magnifies, that is a pixel of the result: a border that
 //! rests beside what is stretched does not darken either. A border counts as resting within [`RESTING`].
 
-use super::positions::SourcePosition;
 use crate::plate::WarpMap;
 use crate::space::PixelRect;
 
@@ -62,12 +61,17 @@ impl Extent {
     }
 }
 
-/// Returns how much of an output pixel, at (column, row) of the map, lies inside the sides where the picture continues, 0 to 1:
+/// Returns how much of an output pixel, at (column, row) of the map and `sample + fraction` of the picture, lies inside the sides where the picture continues, 0 to 1:
 /// exactly 1 where the border counts as resting, from there on continuous.
 #[inline(always)]
-pub(super) fn coverage(extents: &[Extent; 2], position: &SourcePosition, map: &WarpMap, pixel: [usize; 2]) -> f32 {
+pub(super) fn coverage(
+    extents: &[Extent; 2],
+    (sample, fraction): ([f32; 2], [f32; 2]),
+    map: &WarpMap,
+    pixel: [usize; 2],
+) -> f32 {
     let along = |axis: usize| {
-        let excess = extents[axis].excess(position.sample[axis], position.fraction[axis]);
+        let excess = extents[axis].excess(sample[axis], fraction[axis]);
         if excess == 0.0 {
             return 1.0;
         }

@@ -4,7 +4,6 @@
 
 use super::border::{Extent, coverage};
 use super::footprint::Footprint;
-use super::positions::SourcePosition;
 use crate::plate::WarpMap;
 use crate::space::PixelRect;
 
@@ -27,11 +26,8 @@ pub(crate) fn footprint_taps(map: &WarpMap, pixel: usize, source_window: PixelRe
     ];
     let Some(positions) = positions(offset, start, extents) else { return };
     let footprint = Footprint::at(map, column, row);
-    let position = SourcePosition {
-        sample: positions.map(|(sample, _)| sample as f32),
-        fraction: positions.map(|(_, fraction)| fraction),
-    };
-    let inside = coverage(&extents, &position, map, [column, row]);
+    let place = (positions.map(|(sample, _)| sample as f32), positions.map(|(_, fraction)| fraction));
+    let inside = coverage(&extents, place, map, [column, row]);
     let sum = gather(&positions, &footprint, extents, source_window.width as usize, taps);
     // Far beyond a side that continues, every tap is the last sample, with coverage 0.
     taps.retain_mut(|(_, weight)| {

@@ -181,7 +181,7 @@ impl<'a> Tiles<'a> {
             area.rows().flat_map(|row| (area.column..area.column + area.width).map(move |column| [column, row]));
         let near = positions.iter().zip(sums).zip(pixels).filter(|((position, _), _)| !position.is_nowhere());
         for ((position, sums), pixel) in near {
-            let inside = coverage(&self.extents, position, self.map, pixel);
+            let inside = coverage(&self.extents, (position.sample, position.fraction), self.map, pixel);
             sums.as_flattened_mut().iter_mut().for_each(|sample| *sample *= inside);
         }
     }
