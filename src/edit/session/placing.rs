@@ -25,7 +25,7 @@ impl Session {
     /// Asks the worker what surface lies under the pointer.
     pub(super) fn ask_for_point(&mut self, at: ScreenPoint, is_whole: bool) -> Click {
         self.next_question += 1;
-        let click = Click { id: self.next_question, frame: self.playhead.frame(), from: at, is_whole };
+        let click = Click { id: self.next_question, frame: self.playhead.frame(), from: at, is_whole, keeps_selection: false };
         self.worker.ask(Question::Point { id: click.id, frame: click.frame, at });
         click
     }
@@ -42,7 +42,9 @@ impl Session {
         let unmoved = point.as_ref().filter(|point| point.layer.is_none()).map(|point| point.node.clone());
         let found = point.and_then(|point| Some((point.layer?, point)));
         let Some((layer, point)) = found else {
-            self.selection.clear();
+            if !click.keeps_selection {
+                self.selection.clear();
+            }
             if let Some(node) = unmoved {
                 let hint = "add it to a layer (Nodes), or make one from it (+), in the panel on the left";
                 self.say(format!("No layer moves '{node}': {hint}, then click again."));

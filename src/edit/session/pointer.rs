@@ -2,7 +2,7 @@
 //!
 //! In: pointer positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
-use super::gesture::{Gesture, Painting};
+use super::gesture::{Click, Gesture, Painting};
 use super::painting::BRUSH_RADII;
 use super::shown::Wipe;
 use super::{Purpose, Session};
@@ -26,6 +26,9 @@ const STIFFNESSES: [f64; 2] = [0.01, 100.0];
 
 /// Decades of stiffness per frame height of pointer movement.
 const STIFFNESS_PER_HEIGHT: f64 = 6.0;
+
+/// Distance in hit distances of a ring up to which a press on it is a click.
+const CLICK: f64 = 0.4;
 
 /// Radius in frame heights of a region created by a stiffness drag.
 const USUAL_RADIUS: f64 = 0.1;
@@ -71,13 +74,17 @@ impl Session {
         }
         self.set_gesture_aside();
         let base = Arc::new(self.document.shot().clone());
+        let near = self.pin_near(at, reach);
+        // A ring is as wide as the feet of a figure are apart: a pin that lies on it is caught first.
         if held.part == PinPart::Target
-            && let Some(gesture) = self.turn_at(at, ring, &base)
+            && near.is_none()
+            && let Some(turn) = self.turn_at(at, ring, &base)
         {
-            self.gesture = gesture;
+            let (slack, turn) = (CLICK * ring.reach, Box::new(turn));
+            self.gesture = Gesture::OnRing { from: at, slack, placed: (!held.adds).then_some(held.whole), turn };
             return;
         }
-        if let Some((pin, rest)) = self.pin_near(at, reach) {
+        if let Some((pin, rest)) = near {
             if !self.selection.pins.contains(&pin) {
                 if !held.adds {
                     self.selection.clear();
@@ -140,8 +147,13 @@ impl Session {
 
     /// Handles pointer movement; `grows`: a rotation gesture also scales.
     pub(crate) fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
+        if let Gesture::OnRing { from, slack, turn, .. } = &self.gesture
+            && (to - *from).0.length() > *slack
+        {
+            self.gesture = Gesture::clone(turn);
+        }
         match &mut self.gesture {
-            Gesture::Idle => {}
+            Gesture::Idle | Gesture::OnRing { .. } => {}
             Gesture::Placing { at, .. } => *at = to,
             Gesture::Paint(_) => self.stroke_to(to),
             Gesture::BrushSize { center } => {
@@ -213,6 +225,13 @@ impl Session {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => {}
             Gesture::Placing { click, at, .. } => self.gesture = Gesture::Placing { click, at, is_up: true },
+            // A ring catches drags alone: a click places a pin on the surface under it.
+            Gesture::OnRing { from, placed, .. } => {
+                if let Some(is_whole) = placed {
+                    let click = Click { keeps_selection: true, ..self.ask_for_point(from, is_whole) };
+                    self.gesture = Gesture::Placing { click, at: from, is_up: true };
+                }
+            }
             Gesture::Box { from, to } => self.choose_box([from, to]),
             Gesture::Drag { has_moved: false, .. } | Gesture::BrushSize { .. } | Gesture::Wipe => {}
             Gesture::Paint(painting) => {

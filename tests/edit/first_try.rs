@@ -1,0 +1,84 @@
+//! What a person tries who has read nothing: quick drags, clicks beside what was meant.
+
+use super::stage::{PINS, REACH, Stage, TIMEOUT, at, until};
+use super::window::{changes, opened_with, place, session, settled};
+use eframe::egui::{Event, Modifiers, PointerButton, vec2};
+use pinwarp::edit::{Held, Ring, Session};
+
+#[test]
+fn a_drag_that_is_quicker_than_the_window_moves_the_pin_under_the_press() {
+    let (_stage, mut window) = opened_with(PINS);
+    let target = session(&window).marks()[0].pins[0].target.0;
+    let from = place(&window, target.x, target.y);
+    let button = |pos, pressed| {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed, modifiers }
+    };
+    window.event(Event::PointerMoved(from));
+    window.step();
+    // Farther than a pin can be caught from, before the next pass.
+    let far = from + vec2(16.0, -12.0);
+    window.event(button(from, true));
+    window.event(Event::PointerMoved(far));
+    window.step();
+    window.event(Event::PointerMoved(far + vec2(20.0, 0.0)));
+    window.event(button(far + vec2(20.0, 0.0), false));
+    window.event(Event::PointerMoved(far + vec2(90.0, 0.0)));
+    window.step();
+    assert_eq!(changes(&window), ["Move pin"]);
+    settled(&mut window);
+    let moved = session(&window).marks()[0].pins[0].target.0;
+    let moved = place(&window, moved.x, moved.y) - from;
+    assert!((moved - vec2(36.0, -12.0)).length() < 0.5, "{moved:?}");
+    // A whole drag within one pass.
+    window.event(button(from + moved, true));
+    window.event(button(from, false));
+    window.step();
+    assert_eq!(changes(&window), ["Move pin", "Move pin"]);
+}
+
+/// The ring as the window draws it.
+const RING: Ring = Ring { radius: 0.12, reach: 0.02 };
+
+fn pins(session: &Session) -> usize {
+    session.document().shot().layers[0].pins.len()
+}
+
+#[test]
+fn a_click_on_a_ring_places_a_pin_and_turns_nothing() {
+    let stage = Stage::with(PINS);
+    let mut session = stage.session();
+    session.selection.only_pin([0, 0]);
+    let (text, center) = (session.document().text().to_owned(), session.marks()[0].pins[0].target.0);
+    let up = |radius: f64| at(center.x, center.y + radius);
+    session.press(up(RING.radius), (REACH, RING), Held::default());
+    // A hand shakes.
+    session.motion(at(center.x + 0.005, center.y + RING.radius));
+    session.release();
+    until(&mut session, "a pin is placed under the ring", |session| pins(session) == 3);
+    assert_eq!(session.document().history().labels().collect::<Vec<_>>(), ["Add pin"]);
+    session.undo();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    session.selection.only_pin([0, 0]);
+    // Nothing can be pinned there.
+    session.press(up(0.9), (REACH, Ring { radius: 0.9, reach: 0.02 }), Held::default());
+    session.release();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    until(&mut session, "the click is answered", Session::is_idle);
+    assert_eq!(session.document().text(), text);
+    assert_eq!(session.selection.single_pin(), Some([0, 0]), "a click on nothing changes nothing");
+}
+
+#[test]
+fn a_pin_that_lies_on_the_ring_of_another_is_dragged() {
+    let stage = Stage::with(PINS);
+    let mut session = stage.session();
+    session.selection.only_pin([0, 0]);
+    let [a, b] = [0, 1].map(|pin| session.marks()[0].pins[pin].target.0);
+    let ring = Ring { radius: (b - a).length(), reach: 0.02 };
+    session.press(at(b.x, b.y), (REACH, ring), Held::default());
+    session.motion(at(b.x + 0.03, b.y));
+    session.release();
+    assert_eq!(session.document().history().labels().collect::<Vec<_>>(), ["Move pin"]);
+    assert_eq!(session.selection.single_pin(), Some([0, 1]));
+}
