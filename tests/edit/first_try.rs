@@ -1,6 +1,6 @@
 //! What a person tries who has read nothing: quick drags, clicks beside what was meant.
 
-use super::stage::{PINS, REACH, Stage, TIMEOUT, at, until};
+use super::stage::{PINS, REACH, Stage, TIMEOUT, at, drag, place_pin, until};
 use super::window::{changes, opened_with, place, session, settled};
 use eframe::egui::{Event, Modifiers, PointerButton, vec2};
 use pinwarp::edit::{Held, Ring, Session};
@@ -63,7 +63,8 @@ fn a_click_on_a_ring_places_a_pin_and_turns_nothing() {
     // Nothing can be pinned there.
     session.press(up(0.9), (REACH, Ring { radius: 0.9, reach: 0.02 }), Held::default());
     session.release();
-    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    // Questions are answered before frames are drawn.
+    session.go(1);
     until(&mut session, "the click is answered", Session::is_idle);
     assert_eq!(session.document().text(), text);
     assert_eq!(session.selection.single_pin(), Some([0, 0]), "a click on nothing changes nothing");
@@ -81,4 +82,30 @@ fn a_pin_that_lies_on_the_ring_of_another_is_dragged() {
     session.release();
     assert_eq!(session.document().history().labels().collect::<Vec<_>>(), ["Move pin"]);
     assert_eq!(session.selection.single_pin(), Some([0, 1]));
+}
+
+#[test]
+fn a_drag_of_the_only_pin_says_how_the_rest_stays_and_that_works() {
+    let (_stage, mut session) = Stage::open();
+    place_pin(&mut session, at(0.3, 0.5));
+    drag(&mut session, [0.3, 0.5], [0.35, 0.6]);
+    let told = session.message().unwrap_or_default().to_owned();
+    assert!(told.contains("Ctrl+Z, click where the model should stay, then drag"), "{told}");
+    session.undo();
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    place_pin(&mut session, at(0.6, 0.5));
+    drag(&mut session, [0.3, 0.5], [0.35, 0.6]);
+    let pin = &session.marks()[0].pins[1];
+    assert!((pin.target - pin.rest).0.length() < 1e-9, "it stays: {pin:?}");
+}
+
+#[test]
+fn who_deletes_a_layer_is_told_what_went_and_how_it_comes_back() {
+    let stage = Stage::with(PINS);
+    let mut session = stage.session();
+    session.delete_layer();
+    let told = session.message().unwrap_or_default().to_owned();
+    assert_eq!(told, "Deleted: layer 'left' with 2 pins and 6 keys. Ctrl+Z brings it back.");
+    session.undo();
+    assert_eq!(session.document().shot().layers[0].pins.len(), 2);
 }

@@ -26,6 +26,7 @@ mod selection;
 mod shot_settings;
 mod shown;
 mod weights;
+mod wording;
 
 pub(crate) use arrange::MatteChoice;
 pub(crate) use figures::Figure;

@@ -260,7 +260,11 @@ impl Session {
         let layers = &self.document.shot().layers;
         let is_alone = |at: [usize; 2]| layers.get(at[0]).is_some_and(|layer| layer.pins.len() == 1);
         if self.selection.single_pin().is_some_and(is_alone) {
-            self.say("One pin moves the whole layer: click where the model should stay, and drag again.");
+            // A pin that is placed now would hold the moved place.
+            let what = self.subject();
+            self.say(format!(
+                "One pin moves the whole layer. To bend it: Ctrl+Z, click where the {what} should stay, then drag."
+            ));
         }
     }
 
