@@ -1,8 +1,10 @@
 //! What a person tries who has read nothing: quick drags, clicks beside what was meant.
 
+use super::acts::click;
 use super::stage::{PINS, REACH, Stage, TIMEOUT, at, drag, place_pin, until};
-use super::window::{changes, opened_with, place, session, settled};
+use super::window::{self, changes, opened_with, place, pointer, session, settled};
 use eframe::egui::{Event, Modifiers, PointerButton, vec2};
+use egui_kittest::kittest::Queryable;
 use pinwarp::edit::{Held, Ring, Session};
 
 #[test]
@@ -108,4 +110,25 @@ fn who_deletes_a_layer_is_told_what_went_and_how_it_comes_back() {
     assert_eq!(told, "Deleted: layer 'left' with 2 pins and 6 keys. Ctrl+Z brings it back.");
     session.undo();
     assert_eq!(session.document().shot().layers[0].pins.len(), 2);
+}
+
+#[test]
+fn a_render_is_begun_by_a_button_that_says_where_frames_go_and_its_end_is_told() {
+    let (stage, mut window) = opened_with(PINS);
+    let folder = stage.folder.path().join("out");
+    let button = window.get_by_label("Render frames").rect().center();
+    pointer(&mut window, button, None);
+    window.run_steps(8);
+    let hint = format!("Writes the frames to {}", folder.join("frame.####.exr").display());
+    assert!(window.query_by_label_contains(&hint).is_some(), "its tool tip");
+    click(&mut window, &["Render frames"]);
+    let shown = format!("Frames go to {}", folder.join("frame.####.exr").display());
+    assert!(window.query_by_label(&shown).is_some());
+    click(&mut window, &["Close window"]);
+    window::until(&mut window, "the render ends", |window| !session(window).is_rendering());
+    let told = session(&window).message().unwrap_or_default().to_owned();
+    assert_eq!(told, format!("Rendered: 6 frames in {}", folder.display()));
+    assert!(window.query_by_label(&shown).is_none(), "its window is closed");
+    click(&mut window, &["Show the render"]);
+    assert!(window.query_by_label(&shown).is_some() && window.query_by_label("Show the render").is_none());
 }

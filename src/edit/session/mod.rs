@@ -277,7 +277,7 @@ impl Session {
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
         self.notice_ended_worker();
-        let has_run_on = self.run.as_mut().is_some_and(RenderRun::pump);
+        let has_run_on = self.pump_render();
         self.pump_export() || is_any || has_run_on
     }
 

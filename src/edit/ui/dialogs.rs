@@ -26,9 +26,10 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
     let (mut is_open, mut is_closed) = (true, false);
     let window = egui::Window::new("Render").open(&mut is_open).collapsible(true).default_size(vec2(520.0, 320.0));
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
-        let part = run.done as f32 / run.frames.max(1) as f32;
+        let (part, stage) = run.progress();
+        ui.weak(format!("Frames go to {}", run.output.display()));
         ui.horizontal(|ui| {
-            ui.add(egui::ProgressBar::new(part).desired_width(380.0).text(format!("{} / {}", run.done, run.frames)));
+            ui.add(egui::ProgressBar::new(part as f32).desired_width(380.0).text(stage));
             match &run.state {
                 RunState::Running if ui.button("Cancel").clicked() => session.cancel_render(),
                 RunState::Running => {}
@@ -37,9 +38,6 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
         });
         if let RunState::Ended(words) = &run.state {
             ui.strong(words);
-            if let Some(folder) = run.files.first().and_then(|file| file.parent()) {
-                ui.weak(format!("Frames are in {}", folder.display()));
-            }
             let hint = "Lays the rendered frames over the picture, frame by frame, as the reference";
             let look = ui.add_enabled(!run.files.is_empty(), egui::Button::new("Look at the frames"));
             *is_wanted = look.on_hover_text(hint).clicked();

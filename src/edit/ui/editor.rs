@@ -215,9 +215,14 @@ impl Editor {
     fn bar(&mut self, ui: &mut Ui, ctx: &egui::Context, now: f64) {
         let chosen = Panel::top("bar").show(ui, |ui| {
             ui.horizontal(|ui| {
-                let chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
+                let mut chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
                 if let Some(session) = &self.session {
-                    menus::state(ui, session, &self.background);
+                    let keys = (&self.shortcuts, !self.shows_render);
+                    match menus::state(ui, session, &self.background, keys) {
+                        Some(menus::BarClick::Render) => chosen.push(Action::Render),
+                        Some(menus::BarClick::ShowRender) => self.shows_render = true,
+                        None => {}
+                    }
                 }
                 chosen
             })

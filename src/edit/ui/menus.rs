@@ -179,12 +179,40 @@ fn theme(ui: &mut Ui) {
     });
 }
 
-/// Shows the file's name in the middle of the bar, and at its right end the progress, that of renders of other shots, too.
-pub(super) fn state(ui: &mut Ui, session: &Session, background: &[RenderRun]) {
+/// A click at the right end of the bar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum BarClick {
+    Render,
+    /// Shows the window of the render.
+    ShowRender,
+}
+
+/// Shows the button that renders; returns whether it was clicked.
+fn render(ui: &mut Ui, session: &Session, shortcuts: &Shortcuts) -> bool {
+    let hint = format!(
+        "Writes the frames to {}, with previews beside them ({}). Frames that are up to date are kept.",
+        session.shot().output.path.display(),
+        words(shortcuts, Action::Render)
+    );
+    ui.button("Render").on_hover_text(hint).accessible_name("Render frames").clicked()
+}
+
+/// Shows the file's name at the right end of the bar, the button that renders, and the progress, that of renders of other shots, too.
+/// `is_hidden`: whether the window of the render is not shown.
+pub(super) fn state(
+    ui: &mut Ui,
+    session: &Session,
+    background: &[RenderRun],
+    (shortcuts, is_hidden): (&Shortcuts, bool),
+) -> Option<BarClick> {
+    let mut click = None;
     let name = session.document().path().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let sign = if session.document().is_dirty() { "not saved" } else { "" };
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_space(6.0);
+        if render(ui, session, shortcuts) {
+            click = Some(BarClick::Render);
+        }
         if let Some(part) = session.progress() {
             ui.add(ProgressBar::new(part as f32).desired_width(110.0).text("over time"));
         }
@@ -196,16 +224,24 @@ pub(super) fn state(ui: &mut Ui, session: &Session, background: &[RenderRun]) {
             let bar = ui.add(progress(run)).on_hover_text(format!("Rendering {}", run.shot.display()));
             bar.accessible_name(format!("Rendering {name}"));
         }
-        session.run().filter(|run| run.is_running()).into_iter().for_each(|run| _ = ui.add(progress(run)));
+        if let Some(run) = session.run() {
+            if run.is_running() {
+                ui.add(progress(run));
+            }
+            if is_hidden && ui.button("Show the render").on_hover_text("Progress, log, frames").clicked() {
+                click = Some(BarClick::ShowRender);
+            }
+        }
         ui.weak(sign);
         ui.label(RichText::new(name).strong());
     });
+    click
 }
 
 /// Returns the progress of a render.
 fn progress(run: &RenderRun) -> ProgressBar {
-    let part = run.done as f32 / run.frames.max(1) as f32;
-    ProgressBar::new(part).desired_width(110.0).text(format!("frame {} / {}", run.done, run.frames))
+    let (part, stage) = run.progress();
+    ProgressBar::new(part as f32).desired_width(160.0).text(stage)
 }
 
 /// Shows the bottom line: the message of the last action, or a hint.

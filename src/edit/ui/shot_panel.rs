@@ -28,6 +28,11 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
                 });
                 ui.end_row();
             }
+            ui.label("Frames go to");
+            let output = session.shot().output.path.display().to_string();
+            let name = session.shot().output.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            ui.add(Label::new(name).truncate()).on_hover_text(output);
+            ui.end_row();
             ui.label("Samples");
             let mut samples = session.shot().samples;
             if ui

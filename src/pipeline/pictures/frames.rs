@@ -7,6 +7,7 @@ use crate::image::{Frame, SequencePath};
 use crate::pipeline::draw::geometry_thread::facts;
 use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
 use crate::pipeline::run::write::{Drawn, Writer};
+use crate::pipeline::trajectories::solve_ahead::solve_before_frames;
 use crate::pipeline::{Event, JerkMeter, PipelineError, PreparedShot, RenderOptions, Summary, TimeSample};
 use crate::raster::{ChannelGroup, DeviceClass, PassRole};
 use std::sync::Arc;
@@ -39,6 +40,9 @@ pub(in crate::pipeline) fn render_pictures(
     let Some(gallery) = &prepared.gallery else { return Summary { kept, ..Summary::default() } };
     emit_left_out(prepared, on_event);
     on_event(Event::Started { device: DEVICE.to_owned(), frames: frames.len(), kept });
+    if !frames.is_empty() {
+        solve_before_frames(prepared, cancel);
+    }
     let mut writer = Writer::new(prepared, options, (output, digest), DeviceClass::Cpu);
     let mut painting = Painting {
         prepared,

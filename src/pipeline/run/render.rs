@@ -128,9 +128,6 @@ impl<'a> Work<'a> {
     fn paint(self, todo: Todo, cancel: &AtomicBool, on_event: &(dyn Fn(Event) + Sync)) -> Summary {
         let Self { begun, prepared, options, output, digest, .. } = self;
         emit_notes(prepared, &todo, on_event);
-        if !todo.frames.is_empty() {
-            solve_before_frames(prepared, cancel);
-        }
         let wanted = Wanted { options, output, digest, frames: todo.frames.clone(), kept: todo.kept };
         let summary = render_pictures(prepared, wanted, cancel, on_event);
         finished(Summary { wall_secs: begun.elapsed().as_secs_f64(), ..summary }, &todo, (cancel, on_event))
