@@ -5,6 +5,7 @@
 mod arrange;
 mod channels;
 mod clipboard;
+mod corner;
 mod curves;
 mod export_run;
 mod figures;

@@ -10,6 +10,7 @@ use crate::edit::EditError;
 use crate::edit::axis_ring::going_on;
 use crate::edit::track::{Move, PinScale, key_time, moved};
 use crate::edit::track_keys::{Track, TrackKeys};
+use crate::edit::worker::SolvedFrame;
 use crate::pipeline::LayerMarks;
 use crate::shot::{PinRegion, Shot};
 use crate::space::ScreenPoint;
@@ -432,10 +433,12 @@ impl Session {
         self.selection.handles.extend(handles);
     }
 
-    /// Returns the marks of the current frame.
+    /// Returns the marks of the current frame; until they are known, those of the frame that is seen.
     #[must_use]
     pub(crate) fn marks(&self) -> &[LayerMarks] {
-        self.current_solve.as_ref().map_or(&[], |solve| &solve.marks)
+        let seen = self.current.as_ref().map(|picture| picture.frame);
+        let fits = |solve: &&Arc<SolvedFrame>| solve.frame == self.playhead.frame() || Some(solve.frame) == seen;
+        self.current_solve.as_ref().filter(fits).map_or(&[], |solve| &solve.marks)
     }
 
     pub(super) fn marks_of(&self, layer: usize) -> Option<&LayerMarks> {

@@ -236,21 +236,10 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
 
 /// Draws the picture's status in the corner.
 fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
-    use crate::edit::Quality;
     let painter = ui.painter_at(rect);
-    let here = session.playhead.frame();
-    let rendered = if session.has_silent_layers() { "as rendered, but layers are muted" } else { "as rendered" };
-    let quality = match (session.picture(), session.progress()) {
-        _ if session.is_dragging() => "provisional".to_owned(),
-        (_, Some(part)) => format!("solving over time: {:.0} %", 100.0 * part),
-        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => rendered.to_owned(),
-        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Draft => "draft".to_owned(),
-        (Some(_), _) => "provisional".to_owned(),
-        (None, _) => "loading".to_owned(),
-    };
     let percent = 100.0 * lens.scale() * f64::from(ui.ctx().pixels_per_point());
     let zoom = if session.zoom == Zoom::Fit { ", fit" } else { "" };
-    let text = format!("{quality}   {percent:.0} %{zoom}");
+    let text = format!("{}   {percent:.0} %{zoom}", session.corner());
     let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
     let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), galley.size());
     painter.rect_filled(place.expand2(vec2(6.0, 3.0)), 4, Color32::from_black_alpha(130));
