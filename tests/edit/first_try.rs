@@ -1,9 +1,9 @@
 //! What a person tries who has read nothing: quick drags, clicks beside what was meant.
 
-use super::acts::click;
+use super::acts::{click, press};
 use super::stage::{PINS, REACH, Stage, TIMEOUT, at, drag, place_pin, until};
 use super::window::{self, changes, opened_with, place, pointer, session, settled};
-use eframe::egui::{Event, Modifiers, PointerButton, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use pinwarp::edit::{Held, Ring, Session};
 
@@ -131,4 +131,17 @@ fn a_render_is_begun_by_a_button_that_says_where_frames_go_and_its_end_is_told()
     assert!(window.query_by_label(&shown).is_none(), "its window is closed");
     click(&mut window, &["Show the render"]);
     assert!(window.query_by_label(&shown).is_some() && window.query_by_label("Show the render").is_none());
+}
+
+#[test]
+fn the_list_of_keys_fits_a_small_window() {
+    let (_stage, mut window) = opened_with(PINS);
+    window.set_size(vec2(1100.0, 700.0));
+    press(&mut window, Modifiers::NONE, Key::F1);
+    window.run_steps(4);
+    let close = window.get_by_label("Close window").rect();
+    let screen = Rect::from_min_size(pos2(0.0, 0.0), vec2(1100.0, 700.0));
+    assert!(screen.contains_rect(close), "{close:?}");
+    click(&mut window, &["Close window"]);
+    assert!(window.query_by_label("Key of Undo").is_none(), "it is closed");
 }
