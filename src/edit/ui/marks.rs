@@ -98,7 +98,7 @@ impl Over<'_> {
     }
 
     fn lattice(&self, marks: &LayerMarks, is_chosen: bool) {
-        let color = if is_chosen { over::LATTICE } else { over::OTHER_LATTICE };
+        let color = over::lattice(&self.painter.ctx().global_style().visuals, is_chosen);
         // Dense lines would cover the picture, so they are faded.
         let color = color.gamma_multiply((self.line_spacing(marks) / WIDE).clamp(0.35, 1.0));
         for line in &marks.lines {
