@@ -64,7 +64,8 @@ pub(super) fn replace_exported(ctx: &egui::Context, session: &mut Session) {
     }
 }
 
-/// Asks a three-way question.
+/// Asks a three-way question. Without a first answer the second one, which ends something, stands apart: it must not appear under a
+/// pointer that has just answered another question.
 pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&str; 3]) -> Option<Answer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique(title)).show(ctx, |ui| {
@@ -73,12 +74,22 @@ pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&
         ui.add_space(6.0);
         ui.label(words);
         ui.add_space(12.0);
-        ui.horizontal(|ui| {
-            for (text, own) in answers.into_iter().zip([Answer::First, Answer::Second, Answer::Cancel]) {
-                if !text.is_empty() && ui.button(text).clicked() {
-                    answer = Some(own);
-                }
+        let [first, second, cancel] = answers;
+        let mut button = |ui: &mut egui::Ui, text: &str, own: Answer| {
+            if !text.is_empty() && ui.button(text).clicked() {
+                answer = Some(own);
             }
+        };
+        ui.horizontal(|ui| {
+            if first.is_empty() {
+                button(ui, cancel, Answer::Cancel);
+                let layout = egui::Layout::right_to_left(egui::Align::Center);
+                ui.with_layout(layout, |ui| button(ui, second, Answer::Second));
+                return;
+            }
+            button(ui, first, Answer::First);
+            button(ui, second, Answer::Second);
+            button(ui, cancel, Answer::Cancel);
         });
     });
     if modal.should_close() { Some(Answer::Cancel) } else { answer }

@@ -255,7 +255,9 @@ impl Editor {
 
     fn ask_unsaved(&mut self, ctx: &egui::Context) {
         let Some(deferred) = self.questions.unsaved.clone() else { return };
-        let asked = ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
+        let name = self.session.as_ref().map(|session| session.document().path().display().to_string());
+        let words = format!("The changes of {} are lost otherwise.", name.unwrap_or_default());
+        let asked = ask(ctx, ("Save the changes?", &words), ["Save", "Discard", "Cancel"]);
         let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
         self.questions.unsaved = None;
         if answer == Answer::First
