@@ -1,11 +1,16 @@
 //! What a person tries who has read nothing: quick drags, clicks beside what was meant.
 
 use super::acts::{click, press};
+use super::seen::says;
 use super::stage::{PINS, REACH, Stage, TIMEOUT, at, drag, place_pin, until};
 use super::window::{self, changes, opened_with, place, pointer, session, settled};
-use eframe::egui::{Event, Key, Modifiers, PointerButton, Rect, pos2, vec2};
+use eframe::egui::epaint::ClippedShape;
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Rect, Shape, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use pinwarp::edit::{Held, Ring, Session};
+use pinwarp::edit::{Held, Ring, Session, open};
+use pinwarp::image::{Preview, write_png};
+use pinwarp::raster::DeviceChoice;
+use pinwarp::scene::FileAccess;
 
 #[test]
 fn a_drag_that_is_quicker_than_the_window_moves_the_pin_under_the_press() {
@@ -144,4 +149,47 @@ fn the_list_of_keys_fits_a_small_window() {
     assert!(screen.contains_rect(close), "{close:?}");
     click(&mut window, &["Close window"]);
     assert!(window.query_by_label("Key of Undo").is_none(), "it is closed");
+}
+
+#[test]
+fn pins_of_drawings_are_named_pin_and_hints_say_drawing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("puppet.png");
+    write_png(&picture, &Preview { width: 64, height: 64, rgba: vec![255; 64 * 64 * 4] }).expect("written");
+    let document = open(&picture, FileAccess::SceneFolder).expect("a picture");
+    let mut session = Session::new(document, DeviceChoice::Cpu, || ());
+    assert!(session.settle(TIMEOUT), "{:?}", session.fault());
+    assert_eq!(session.subject(), "drawing");
+    place_pin(&mut session, at(0.3, 0.5));
+    place_pin(&mut session, at(0.6, 0.5));
+    let names: Vec<&str> = session.document().shot().layers[0].pins.iter().map(|pin| pin.name.as_str()).collect();
+    assert_eq!(names, ["pin", "pin 2"]);
+}
+
+#[test]
+fn a_scene_that_is_opened_says_which_shot_it_is_of() {
+    let stage = Stage::new();
+    std::fs::rename(stage.shot(), stage.folder.path().join("cards.toml")).expect("renamed");
+    let mut window = window::window(&stage.state(), Some(&stage.folder.path().join("cards.gltf")));
+    assert_eq!(session(&window).message(), Some("cards.toml opened, the shot of cards.gltf"));
+    click(&mut window, &["left"]);
+    assert!(says(&window, "Click the model to place one"));
+}
+
+#[test]
+fn the_line_between_keys_leaves_the_name_of_the_row_alone() {
+    let stage = Stage::with(&PINS.replacen("frame = 1, offset", "frame = -40, offset", 1));
+    let mut window = window::window(&stage.state(), Some(&stage.shot()));
+    settled(&mut window);
+    let row = window.get_by_label("Keys of a").rect();
+    let crosses = |clipped: &ClippedShape| match &clipped.shape {
+        Shape::LineSegment { points, .. } => {
+            let is_in_row = row.y_range().contains(points[0].y) && points[0].y == points[1].y;
+            is_in_row && clipped.clip_rect.left().max(points[0].x.min(points[1].x)) < row.left() + 100.0
+        }
+        _ => false,
+    };
+    let lines = window.output().shapes.iter().filter(|clipped| crosses(clipped) && clipped.clip_rect.width() > 0.0);
+    // The line below the row runs through.
+    assert!(lines.clone().all(|clipped| clipped.shape.visual_bounding_rect().center().y > row.center().y + 5.0));
 }

@@ -121,7 +121,13 @@ impl Editor {
     /// [`EditError`] if it cannot be opened; the current document then stays open.
     pub(crate) fn open(&mut self, ctx: &egui::Context, path: &Path) -> Result<(), EditError> {
         let document = crate::edit::open(path, self.options.access)?;
+        let shot = document.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_beside = document.on_disk().is_some() && *name != *shot;
         self.begin(ctx, document);
+        if let Some(session) = self.session.as_mut().filter(|session| is_beside && session.message().is_none()) {
+            session.say(format!("{shot} opened, the shot of {name}"));
+        }
         Ok(())
     }
 

@@ -27,9 +27,10 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             None => {
                 ui.strong("Pin");
                 ui.separator();
+                let what = session.subject();
                 ui.weak(match session.selection.pins.len() {
-                    0 => "None is chosen. Click the model to place one; drag empty space to choose several.".to_owned(),
-                    count => format!("{count} pins are chosen: drag one of them, nudge them with the arrow keys."),
+                    0 => format!("None is selected. Click the {what} to place one; drag empty space to select several."),
+                    count => format!("{count} pins are selected: drag one of them, nudge them with the arrow keys."),
                 });
                 hard(ui, session);
             }

@@ -8,9 +8,9 @@ use eframe::egui::containers::menu::MenuConfig;
 use eframe::egui::widgets::color_picker;
 use eframe::egui::{self, Button, Color32, PopupCloseBehavior, ProgressBar, RichText, ThemePreference, Ui};
 
-/// The default hint: the basic operations in one line.
-const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
-                    Wheel: zoom.  Middle button or Space: pan.  F1: keys.";
+/// The default hint after its first words: the basic operations in one line.
+const HINT: &str = "Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: select.  Wheel: zoom.  \
+                    Middle button or Space: pan.  F1: keys.";
 
 /// Shows the menus; returns the selected actions.
 pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
@@ -143,7 +143,7 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
     ui.indent("onion", |ui| {
         ui.add(egui::Slider::new(&mut onion.count, 1..=5).text("on either side"));
         let mut by_keys = onion.every == 0;
-        if ui.checkbox(&mut by_keys, "by keys of what is chosen").changed() {
+        if ui.checkbox(&mut by_keys, "by keys of what is selected").changed() {
             onion.every = if by_keys { 0 } else { 2 };
         }
         if !by_keys {
@@ -254,7 +254,7 @@ pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
             let words = match (session.fault(), session.message()) {
                 (Some(fault), _) => RichText::new(fault).color(ui.visuals().error_fg_color),
                 (None, Some(message)) => RichText::new(message),
-                (None, None) => RichText::new(HINT).weak(),
+                (None, None) => RichText::new(format!("Click the {}: pin.  {HINT}", session.subject())).weak(),
             };
             // Truncated text is shown in full as a tooltip.
             let full = words.text().to_owned();

@@ -123,7 +123,7 @@ impl Timeline {
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 ui.add_space(8.0);
-                ui.weak(format!("Layer '{}' has no pins: click the model to place one.", owner.name));
+                ui.weak(format!("Layer '{}' has no pins: click the {} to place one.", owner.name, session.subject()));
             });
         }
         let by = self.moved.map_or(0, |(_, by)| by);

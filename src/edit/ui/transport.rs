@@ -43,7 +43,7 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
         {
             session.auto_key = if is_auto { AutoKey::On } else { AutoKey::Off };
         }
-        if ui.button("Key").on_hover_text("Insert a key for the chosen pins").clicked() {
+        if ui.button("Key").on_hover_text("Insert a key for the selected pins").clicked() {
             session.insert_keys();
         }
         eases(ui, session);
@@ -57,7 +57,7 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
             session.playhead.pace = if is_every { Pace::EveryFrame } else { Pace::RealTime };
         }
         let mut is_seen = has_curves;
-        is_changed = ui.toggle_value(&mut is_seen, "Curves").on_hover_text("Keys of chosen pins as curves").changed();
+        is_changed = ui.toggle_value(&mut is_seen, "Curves").on_hover_text("Keys of selected pins as curves").changed();
         if session.mirrors {
             let off = ui.selectable_label(true, "Mirror").on_hover_text("Edits are mirrored: click to end that");
             session.mirrors = !off.clicked();

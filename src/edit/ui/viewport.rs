@@ -260,7 +260,7 @@ fn menu(response: &egui::Response, session: &mut Session) {
             session.delete_pins();
         }
         ui.separator();
-        if ui.button("Choose all pins of the layer").clicked() {
+        if ui.button("Select all pins of the layer").clicked() {
             session.choose_all();
         }
         if ui.button("Fit the picture").clicked() {
