@@ -193,3 +193,16 @@ fn the_line_between_keys_leaves_the_name_of_the_row_alone() {
     // The line below the row runs through.
     assert!(lines.clone().all(|clipped| clipped.shape.visual_bounding_rect().center().y > row.center().y + 5.0));
 }
+
+#[test]
+fn the_start_page_lists_shots_that_were_open() {
+    let (stage, window) = opened_with(PINS);
+    drop(window);
+    let mut window = window::window(&stage.state(), None);
+    click(&mut window, &[&stage.shot().display().to_string()]);
+    assert_eq!(session(&window).document().path(), stage.shot());
+    drop(window);
+    std::fs::remove_file(stage.shot()).expect("removed");
+    let window = window::window(&stage.state(), None);
+    assert!(!says(&window, "Recent shots"));
+}

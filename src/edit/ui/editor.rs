@@ -8,7 +8,8 @@ use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, export_window, key_window, keys, menus, panels, start, theme, tour_window, viewport};
-use crate::edit::{Action, Document, Dropped, EditError, RenderRun, Session, Shortcuts, Tour, Unfinished, unfinished};
+use crate::edit::{Action, Document, Dropped, EditError, RenderRun, Session, Shortcuts, Tour, Unfinished};
+use crate::edit::{recent_shots, remember_shot, unfinished};
 use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub(crate) struct Editor {
     pub(super) has_background_failed: bool,
     /// Work of killed editors.
     pub(super) left: Vec<Unfinished>,
+    /// Shots that were open last, as the start page lists them.
+    recent: Vec<PathBuf>,
     fault: Option<String>,
     pub(super) browser: Option<Browser>,
     pub(super) timeline: Timeline,
@@ -79,7 +82,7 @@ impl Editor {
             Ok(shortcuts) => (shortcuts, None),
             Err(error) => (Shortcuts::default(), Some(error.to_string())),
         };
-        let left = unfinished(&options.journals());
+        let (left, recent) = (unfinished(&options.journals()), recent_shots(&options.recent()));
         Self {
             options,
             shortcuts,
@@ -88,6 +91,7 @@ impl Editor {
             background: Vec::new(),
             has_background_failed: false,
             left,
+            recent,
             fault,
             browser: None,
             timeline: Timeline::default(),
@@ -134,6 +138,12 @@ impl Editor {
     /// Starts editing a document.
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
         self.questions = Questions::default();
+        // Bundled scenes are on the start page anyway.
+        if !document.path().starts_with(&self.options.folder)
+            && let Err(error) = remember_shot(&self.options.recent(), document.path())
+        {
+            tracing::warn!("the shot cannot be listed on the start page: {error}");
+        }
         if !document.has_journal() {
             self.look_for_work(document.path());
             document.keep_journal(&self.options.journals());
@@ -196,7 +206,8 @@ impl Editor {
         self.bar(ui, &ctx, now);
         match &mut self.session {
             None => {
-                let shown = CentralPanel::no_frame().show(ui, |ui| start::show(ui, &self.left, self.fault.as_deref()));
+                let known = (&self.left[..], &self.recent[..]);
+                let shown = CentralPanel::no_frame().show(ui, |ui| start::show(ui, known, self.fault.as_deref()));
                 self.start(&ctx, shown.inner);
             }
             Some(session) => {
@@ -246,6 +257,7 @@ impl Editor {
                 self.browse(Purpose::Open);
                 Ok(())
             }
+            StartAction::Recent(shot) => self.open(ctx, &shot),
             StartAction::Bundled(index) => self.open_bundled(ctx, index),
             StartAction::Tour => {
                 self.tour(ctx);
