@@ -206,3 +206,21 @@ fn the_start_page_lists_shots_that_were_open() {
     let window = window::window(&stage.state(), None);
     assert!(!says(&window, "Recent shots"));
 }
+
+#[test]
+fn the_tour_points_at_the_hand_and_says_where_the_work_is_kept() {
+    let stage = Stage::new();
+    let mut window = window::window(&stage.state(), None);
+    click(&mut window, &["Take the tour of two minutes"]);
+    let pointed = session(&window).shown.pointed.expect("it points at a pin");
+    assert_eq!(session(&window).shot().layers[pointed[0]].pins[pointed[1]].name, "near hand");
+    click(&mut window, &["Skip this step"]);
+    assert_eq!(session(&window).shown.pointed, None);
+    click(&mut window, &["Skip this step"]);
+    assert!(says(&window, "on twos") && session(&window).shown.pointed == Some(pointed));
+    click(&mut window, &["Skip this step", "Skip this step", "Skip this step"]);
+    let folder = session(&window).shot().output.path.parent().expect("a folder").display().to_string();
+    assert!(says(&window, "Ctrl+S saves the shot") && says(&window, &folder));
+    click(&mut window, &["End the tour"]);
+    assert_eq!(session(&window).shown.pointed, None);
+}

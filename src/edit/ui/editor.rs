@@ -316,9 +316,11 @@ impl Editor {
             let chords = key_window::Chords { shortcuts: &mut self.shortcuts, rebound: &mut self.rebound };
             self.shows_keys = key_window::show(ctx, chords, &self.options.keys());
         }
-        if let (Some(tour), Some(session)) = (&mut self.tour, &self.session) {
+        if let (Some(tour), Some(session)) = (&mut self.tour, &mut self.session) {
             tour.follow(session);
-            if !tour_window::show(ctx, tour, session) {
+            let is_open = tour_window::show(ctx, tour, session);
+            session.shown.pointed = tour.pin(session).filter(|_| is_open);
+            if !is_open {
                 self.tour = None;
             }
         }
