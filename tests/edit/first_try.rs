@@ -1,7 +1,7 @@
 //! What a person tries who has read nothing: quick drags, clicks beside what was meant.
 
 use super::acts::{click, press};
-use super::seen::says;
+use super::seen::{says, texts};
 use super::stage::{PINS, REACH, Stage, TIMEOUT, at, drag, place_pin, until};
 use super::window::{self, changes, opened_with, place, pointer, session, settled};
 use eframe::egui::epaint::ClippedShape;
@@ -125,17 +125,17 @@ fn a_render_is_begun_by_a_button_that_says_where_frames_go_and_its_end_is_told()
     pointer(&mut window, button, None);
     window.run_steps(8);
     let hint = format!("Writes the frames to {}", folder.join("frame.####.exr").display());
-    assert!(window.query_by_label_contains(&hint).is_some(), "its tool tip");
+    assert!(says(&window, &hint), "its tool tip: {:?}", texts(&window));
     click(&mut window, &["Render frames"]);
     let shown = format!("Frames go to {}", folder.join("frame.####.exr").display());
-    assert!(window.query_by_label(&shown).is_some());
+    assert!(says(&window, &shown));
     click(&mut window, &["Close window"]);
     window::until(&mut window, "the render ends", |window| !session(window).is_rendering());
     let told = session(&window).message().unwrap_or_default().to_owned();
     assert_eq!(told, format!("Rendered: 6 frames in {}", folder.display()));
-    assert!(window.query_by_label(&shown).is_none(), "its window is closed");
+    assert!(!says(&window, &shown), "its window is closed");
     click(&mut window, &["Show the render"]);
-    assert!(window.query_by_label(&shown).is_some() && window.query_by_label("Show the render").is_none());
+    assert!(says(&window, &shown) && window.query_by_label("Show the render").is_none());
 }
 
 #[test]
@@ -223,4 +223,42 @@ fn the_tour_points_at_the_hand_and_says_where_the_work_is_kept() {
     assert!(says(&window, "Ctrl+S saves the shot") && says(&window, &folder));
     click(&mut window, &["End the tour"]);
     assert_eq!(session(&window).shown.pointed, None);
+}
+
+#[test]
+fn tool_tips_say_what_a_widget_does() {
+    let (_stage, mut window) = opened_with(PINS);
+    click(&mut window, &["a"]);
+    let tips = [
+        ("Space", "Where the lattice lies"),
+        ("Basis", "How handles pull"),
+        ("Box", "What the lattice covers"),
+        ("Nodes", "The parts of the scene"),
+        ("Rotation", "Turns what surrounds the pin"),
+        ("Exposure", "a drag in frame 12 keys frame 11"),
+        ("Strength", "How much of the warp"),
+        ("Smoothness", "a pin pulls more of the layer along"),
+        ("Pin error, px", "Above 0.05"),
+        ("Distortion", "Above 1 the shape looks sheared"),
+    ];
+    for (label, words) in tips {
+        let places: Vec<Rect> = window.query_all_by_label(label).map(|node| node.rect()).collect();
+        let is_told = places.iter().any(|place| {
+            pointer(&mut window, place.center(), None);
+            window.run_steps(6);
+            texts(&window).iter().any(|text| text.replace('\n', " ").contains(words))
+        });
+        assert!(is_told, "{label}: {words}");
+    }
+}
+
+#[test]
+fn a_mark_of_the_ruler_says_its_frame_and_figure() {
+    let (_stage, mut window) = opened_with(PINS);
+    window::until(&mut window, "all frames are reported", |window| session(window).reported() == [6, 6]);
+    let mark = window.query_all_by_label_contains("Worst by ").next().map(|node| node.rect().center()).expect("a mark");
+    assert!(!says(&window, "Worst by "));
+    pointer(&mut window, mark, None);
+    window.run_steps(6);
+    assert!(says(&window, "Worst by "), "its tool tip");
 }

@@ -37,8 +37,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             let mut samples = session.shot().samples;
             if ui
                 .add(whole(&mut samples, 1..=4096))
-                .accessible("Samples")
-                .on_hover_text("a pixel, of the rendered frame")
+                .explained("Samples", "Samples a pixel of the rendered frame: more are smoother and slower")
                 .changed()
             {
                 session.set_shot("Change samples", &["samples"], &Setting::Whole(i64::from(samples)), Some("samples"));
@@ -67,7 +66,7 @@ fn clip(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    list.response.accessible("Clip");
+    list.response.explained("Clip", "The animation of the scene that is played");
     ui.end_row();
 }
 
@@ -103,7 +102,7 @@ fn camera(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    list.response.accessible("Camera");
+    list.response.explained("Camera", "The camera of the scene, or a view of it");
     ui.end_row();
 }
 

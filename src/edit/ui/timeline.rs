@@ -209,10 +209,19 @@ fn mark_worst(ui: &Ui, session: &mut Session, (ruler, painter): (&Response, &Pai
         let color = if *is_bad { heat(3.0) } else { ui.visuals().weak_text_color() };
         painter.add(Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE));
     }
+    let worst = |frame: i32, names: &[&str]| format!("Worst by {}: frame {frame}", names.join(" and "));
+    let pointed = ruler.hover_pos().and_then(|at| {
+        let mark = |frame: &i32| Rect::from_center_size(tip(*frame) - vec2(0.0, 3.0), vec2(10.0, 8.0));
+        marks.iter().find(|(frame, _)| mark(frame).contains(at))
+    });
+    if let Some((&frame, (is_bad, names))) = pointed {
+        let hint = if *is_bad { "; it deserves a look" } else { "" };
+        ruler.clone().on_hover_text_at_pointer(format!("{}{hint}", worst(frame, names)));
+    }
     let parts = marks.iter().map(|(&frame, (_, names))| Part {
         id: ruler.id.with(("worst", frame)),
         rect: Rect::from_center_size(tip(frame) - vec2(0.0, 3.0), vec2(8.0, 6.0)),
-        label: format!("Worst by {}: frame {frame}", names.join(" and ")),
+        label: worst(frame, names),
         is_chosen: frame == session.playhead.frame(),
     });
     let chosen = accessible::parts(ui, ruler, parts);
