@@ -104,7 +104,7 @@ actions! {
     Delete "delete" "Edit" "Delete keys or pins" "Delete",
     Mute "mute" "Edit" "Mute pins" "M",
     Hard "hard" "Edit" "Hard or soft pins" "E",
-    All "all" "Edit" "Choose all pins" "Ctrl+A",
+    All "all" "Edit" "Select all pins" "Ctrl+A",
     Play "play" "Time" "Play or stop" "Space",
     Back "back" "Time" "Frame back" "Comma",
     Forward "forward" "Time" "Frame forward" "Period",

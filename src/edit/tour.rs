@@ -4,6 +4,9 @@
 
 use super::Session;
 
+/// The pin of the tour's scene that is dragged.
+const HAND: &str = "near hand";
+
 /// A step of the tour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TourStep {
@@ -19,28 +22,42 @@ pub(crate) enum TourStep {
 impl TourStep {
     const ALL: [Self; 7] = [Self::Drag, Self::Frame, Self::DragAgain, Self::Play, Self::Pin, Self::Render, Self::End];
 
-    /// Returns the title, and what to do.
-    #[must_use]
-    pub(crate) const fn words(self) -> [&'static str; 2] {
+    /// Returns the title.
+    const fn title(self) -> &'static str {
         match self {
-            Self::Drag => {
-                ["Drag a pin", "The orange dots are pins. Drag the one on the gnome's hand: its shape follows at once."]
-            }
-            Self::Frame => {
-                ["Go to another frame", "Click into the ruler below the picture. The drag set a key where you were."]
-            }
-            Self::DragAgain => ["Drag the hand again", "Put it somewhere else in this frame. This sets another key."],
-            Self::Play => ["Press play", "The space bar plays and stops. Between the two keys the hand moves along."],
-            Self::Pin => {
-                ["Add a pin of your own", "Click the model, not a pin: a pin holds the point of the surface under it."]
-            }
-            Self::Render => {
-                ["Render", "Ctrl+R writes the frames, and previews beside them. You can cancel it and go on later."]
-            }
-            Self::End => {
-                ["That is all", "Ctrl+Z undoes everything. F1 lists the keys; File, Open takes your own model."]
-            }
+            Self::Drag => "Drag a pin",
+            Self::Frame => "Go to another frame",
+            Self::DragAgain => "Drag the hand again",
+            Self::Play => "Press play",
+            Self::Pin => "Add a pin of your own",
+            Self::Render => "Save and render",
+            Self::End => "That is all",
         }
+    }
+
+    /// Returns the title, and what to do.
+    fn words(self, session: &Session) -> [String; 2] {
+        let text = match self {
+            Self::Drag => "The orange dots are pins. Drag the one on the gnome's hand, in the two circles: its shape follows at \
+                           once."
+                .to_owned(),
+            Self::Frame => "Click into the ruler below the picture. The drag set a key where you were.".to_owned(),
+            Self::DragAgain => "Put it somewhere else in this frame. This sets another key. The gnome's layers move on twos, each \
+                                drawing for two frames, so in an even frame such as 12 the key stands at the first of the two, 11."
+                .to_owned(),
+            Self::Play => "The space bar plays and stops. Between the two keys the hand moves along.".to_owned(),
+            Self::Pin => "Click the model, not a pin: a pin holds the point of the surface under it.".to_owned(),
+            Self::Render => format!(
+                "Ctrl+S saves the shot. Ctrl+R, or Render above, writes the frames, and previews beside them, to {}. You can \
+                 cancel it and go on later.",
+                session.shot().output.path.parent().unwrap_or(&session.shot().output.path).display()
+            ),
+            Self::End => format!(
+                "Ctrl+Z undoes everything, Ctrl+S saves to {}. F1 lists the keys; File, Open takes your own model.",
+                session.document().path().display()
+            ),
+        };
+        [self.title().to_owned(), text]
     }
 }
 
@@ -67,10 +84,20 @@ impl Tour {
         Self { step, frame: session.playhead.frame(), moves: count(session, "Move "), pins: count(session, "Add pin") }
     }
 
-    /// Returns the step.
+    /// Returns the title of the step, and what to do.
     #[must_use]
-    pub(crate) const fn step(&self) -> TourStep {
-        self.step
+    pub(crate) fn words(&self, session: &Session) -> [String; 2] {
+        self.step.words(session)
+    }
+
+    /// Returns the pin that the step is about.
+    #[must_use]
+    pub(crate) fn pin(&self, session: &Session) -> Option<[usize; 2]> {
+        if !matches!(self.step, TourStep::Drag | TourStep::DragAgain) {
+            return None;
+        }
+        let layers = session.shot().layers.iter().enumerate();
+        { layers }.find_map(|(layer, own)| Some([layer, own.pins.iter().position(|pin| pin.name == HAND)?]))
     }
 
     /// Returns the number of the step, from 1, and the number of steps.

@@ -48,10 +48,10 @@ fn a_handle_is_chosen_and_moved_by_numbers() {
         window.get_all_by_label(label).next().expect("it is there").set_value_accesskit(value);
         window.run_steps(3);
     };
-    assert!(window.query_by_label("Choose the first").is_none(), "handles are hidden");
+    assert!(window.query_by_label("Select the first").is_none(), "handles are hidden");
     window.key_press(Key::L);
     window.run_steps(2);
-    window.get_by_label("Choose the first").click();
+    window.get_by_label("Select the first").click();
     window.run_steps(3);
     number(&mut window, "Handle column", 2.0);
     number(&mut window, "Handle row", 3.0);

@@ -14,6 +14,7 @@ mod brush;
 mod crowd;
 mod export;
 mod faults;
+mod first_try;
 mod foreign;
 mod handles;
 mod kept_view;

@@ -178,7 +178,9 @@ fn a_render_shows_its_progress_and_leaves_whole_frames_when_it_is_cancelled() {
     let mut window = window(&stage.state(), Some(&stage.shot()));
     settled(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::R);
-    let done = |window: &Window| texts(window).iter().find_map(|text| text.strip_suffix(" / 60")?.parse::<u32>().ok());
+    let done = |window: &Window| {
+        texts(window).iter().find_map(|text| text.strip_prefix("frame ")?.strip_suffix(" / 60")?.parse::<u32>().ok())
+    };
     until(&mut window, "a frame is done", |window| done(window).is_some_and(|done| done > 0));
     assert!(says(&window, "frame 1: "), "its log: {:?}", texts(&window));
     click(&mut window, &["Cancel"]);
@@ -199,11 +201,29 @@ fn a_render_shows_its_progress_and_leaves_whole_frames_when_it_is_cancelled() {
     // The previews, and nothing that is half written.
     assert!(others.iter().all(|path| path.with_extension("exr").exists()), "{others:?}");
     click(&mut window, &["Close"]);
-    assert!(!says(&window, "Cancelled"));
+    assert!(
+        !has(&window, "Look at the frames") && says(&window, "Render: Cancelled: "),
+        "the bottom line tells it, too"
+    );
     // Another one goes on with the frames that are missing.
     press(&mut window, Modifiers::COMMAND, Key::R);
     until(&mut window, "it ends", ended);
     assert!(says(&window, &format!("Done: {} frames", 60 - frames.len())), "{:?}", texts(&window));
+}
+
+#[test]
+fn a_double_click_on_discard_does_not_stop_what_runs() {
+    let (stage, mut window) = opened_with(PINS);
+    click(&mut window, &["Mute pin a"]);
+    let session = window.state_mut().as_mut().and_then(Editor::session_mut).expect("a shot is open");
+    let _end = session.pretend_export(&EXPORTS[0]);
+    close(&mut window);
+    window.run_steps(3);
+    assert!(says(&window, &format!("The changes of {} are lost", stage.shot().display())));
+    let discard = window.get_by_label("Discard").rect();
+    click(&mut window, &["Discard"]);
+    let stop = window.get_by_label("Stop and quit").rect();
+    assert!(!stop.intersects(discard), "{stop:?} {discard:?}");
 }
 
 /// Whoever asked to quit need not ask again once what ran has ended, unless a reason is to be read.

@@ -152,7 +152,7 @@ fn onion_skins_show_frames_or_keys_on_either_side() {
     assert_eq!(tints(&window).len(), 3);
     // Keys of a pin are in frames 1, 3 and 6.
     press(&mut window, Modifiers::NONE, Key::Escape);
-    click(&mut window, &["a", "View", "by keys of what is chosen"]);
+    click(&mut window, &["a", "View", "by keys of what is selected"]);
     assert_eq!(tints(&window).len(), 3);
     assert_eq!(pictures(&window)[0].image.pixels, by_frames[0], "frame 1");
     assert!(!by_frames[1..].contains(&pictures(&window)[1].image.pixels), "frame 6 instead of 2, 4 or 5");

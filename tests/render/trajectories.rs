@@ -87,9 +87,14 @@ fn a_spread_snap_is_reported() {
     let told = |weight: f64| -> usize {
         let keys = "{ frame = 1, offset = [0, 0] }, { frame = 9, offset = [0, -0.2] }";
         let prepared = pressed(&format!("temporal = {weight}"), keys).prepared();
-        let warnings =
-            |frame: i32| report(&prepared, frame, &prepared.mid_exposure(frame).expect("it is solved")).warnings;
-        (1..=9).flat_map(warnings).filter(|text| text.contains("a sudden jump is spread over frames")).count()
+        let is_spread = |frame: &i32| {
+            let report = report(&prepared, *frame, &prepared.mid_exposure(*frame).expect("it is solved"));
+            let is_told = report.warnings.iter().any(|text| text.contains("a sudden jump is spread over frames"));
+            let covers = |[first, last]: &[f64; 2]| (*first..=*last).contains(&f64::from(*frame));
+            assert_eq!(report.spreads.iter().any(covers), is_told, "frame {frame}: {:?}", report.spreads);
+            is_told
+        };
+        (1..=9).filter(is_spread).count()
     };
     // A weight that is large enough spreads it by itself.
     let found = [0.3, 0.001].map(told);

@@ -10,6 +10,7 @@ use crate::shot::edit::{
     Setting, add_layer, layer_number, move_layer, put_box, put_handle, put_layer_setting, remove_layer, rename_layer,
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
+use crate::spelling::pluralised;
 
 /// The part of a plate that a layer moves, as offered by the window.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,8 +86,14 @@ impl Session {
     pub(crate) fn delete_layer(&mut self) {
         let Some(layer) = self.document.shot().layers.get(self.selection.layer) else { return };
         let text = remove_layer(self.document.text(), &layer.name);
+        let keys = layer.pins.iter().map(|pin| pin.key_frames().count()).sum::<usize>()
+            + layer.handles.iter().map(|handle| handle.keys.len()).sum::<usize>();
+        let (pins, keys) = (pluralised(layer.pins.len(), "pin", "pins"), pluralised(keys, "key", "keys"));
+        let told = format!("Deleted: layer '{}' with {pins} and {keys}. Ctrl+Z brings it back.", layer.name);
         self.selection.clear();
-        self.change("Delete layer", text, None);
+        if self.change("Delete layer", text, None) {
+            self.say(told);
+        }
     }
 
     /// Moves the selected layer up or down in the list.

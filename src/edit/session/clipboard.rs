@@ -67,7 +67,7 @@ impl Session {
             (false, _) => chosen,
         };
         if receivers.is_empty() {
-            return self.say("No pin or handle is chosen: click one first.");
+            return self.say("No pin or handle is selected: click one first.");
         }
         let shot = self.document.shot();
         let pairs = owners(shot, &receivers, &self.copied);
@@ -80,7 +80,7 @@ impl Session {
         let lost = self.copied.iter().filter(is_lost).find_map(|copied| copied.track.channel_name());
         if let Some(channel) = lost {
             return self
-                .say(format!("No chosen pin has keys of its {channel} alone: key its {channel} separately first."));
+                .say(format!("No selected pin has keys of its {channel} alone: key its {channel} separately first."));
         }
         let paste = |(track, copied): (Track, &Copied)| {
             let layer = shot.layers.get(track.layer())?;
@@ -89,7 +89,7 @@ impl Session {
         };
         let keys: Vec<_> = pairs.iter().copied().filter_map(paste).flatten().collect();
         if keys.is_empty() {
-            return self.say("No chosen pin or handle has the name of one whose keys were copied.");
+            return self.say("No selected pin or handle has the name of one whose keys were copied.");
         }
         self.write_keys("Paste keys", &keys, None);
     }

@@ -36,6 +36,29 @@ impl Figure {
         }
     }
 
+    /// Returns what it means, when it deserves a look, and what to do then.
+    #[must_use]
+    pub(crate) const fn meaning(self) -> &'static str {
+        match self {
+            Self::PinError => {
+                "How far the worst pin is from where it was put, in pixels. Above 0.05 pins contradict each other, or are soft: move \
+                 one of them, delete it, or make it hard."
+            }
+            Self::LeastDet => {
+                "How much the most squeezed cell of the lattice keeps of its area: 1 is all of it, below 0 it is folded over. Below 0.1 \
+                 look for creases: pull pins apart, or add one between them."
+            }
+            Self::Distortion => {
+                "How much circles become ellipses, on average over the layer: 0: not at all, 0.5: twice as long as wide. Above 1 the \
+                 shape looks sheared: spread the bend with a pin beside it, or turn the pin by its ring."
+            }
+            Self::Jerk => {
+                "How abruptly the warp changes its speed here, in pixels. Above 40 the motion pops: ease the keys around this frame, \
+                 or put one between them."
+            }
+        }
+    }
+
     /// Returns the order of frames with values, the worst last; of equals the first frame is the worst.
     fn worse(self) -> impl Fn(&(i32, f64), &(i32, f64)) -> Ordering {
         move |a, b| (self.sign() * a.1).total_cmp(&(self.sign() * b.1)).then(b.0.cmp(&a.0))

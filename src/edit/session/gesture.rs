@@ -14,6 +14,8 @@ pub(super) struct Click {
     pub(super) from: ScreenPoint,
     /// Whether the pin moves the part as a whole.
     pub(super) is_whole: bool,
+    /// Whether what is selected stays so if there is no surface.
+    pub(super) keeps_selection: bool,
 }
 
 /// The gesture in progress while the pointer is pressed.
@@ -30,6 +32,14 @@ pub(super) enum Gesture {
         from: ScreenPoint,
         base: Arc<Shot>,
         has_moved: bool,
+    },
+    /// A press on a ring: a click, until it has moved by more than `slack` frame heights and becomes a turn.
+    OnRing {
+        from: ScreenPoint,
+        slack: f64,
+        /// The pin that a click places, by whether it moves the part as a whole; `None`: no pin.
+        placed: Option<bool>,
+        turn: Box<Self>,
     },
     /// Centre of the rotation.
     Turn {
@@ -81,6 +91,13 @@ impl Gesture {
     /// Goes on with a changed document; ends if that has other layers or pins, as an index may mean another one then.
     pub(super) fn follow(&mut self, shot: &Shot) {
         let base = match self {
+            Self::OnRing { turn, .. } => {
+                turn.follow(shot);
+                if turn.is_idle() {
+                    *self = Self::Idle;
+                }
+                return;
+            }
             Self::Idle | Self::Placing { .. } | Self::Box { .. } | Self::BrushSize { .. } | Self::Wipe => return,
             Self::Drag { base, .. }
             | Self::Turn { base, .. }

@@ -5,6 +5,7 @@
 mod arrange;
 mod channels;
 mod clipboard;
+mod corner;
 mod curves;
 mod export_run;
 mod figures;
@@ -26,6 +27,7 @@ mod selection;
 mod shot_settings;
 mod shown;
 mod weights;
+mod wording;
 
 pub(crate) use arrange::MatteChoice;
 pub(crate) use figures::Figure;
@@ -276,7 +278,7 @@ impl Session {
         let is_any = !replies.is_empty();
         replies.into_iter().for_each(|reply| self.take(reply));
         self.notice_ended_worker();
-        let has_run_on = self.run.as_mut().is_some_and(RenderRun::pump);
+        let has_run_on = self.pump_render();
         self.pump_export() || is_any || has_run_on
     }
 

@@ -3,6 +3,7 @@
 //! In: points of the model, names. Out: document changes.
 
 use super::gesture::{Click, Gesture};
+use super::wording::pin_noun;
 use super::{Purpose, Session};
 use crate::edit::track::key_time;
 use crate::edit::worker::Question;
@@ -25,7 +26,8 @@ impl Session {
     /// Asks the worker what surface lies under the pointer.
     pub(super) fn ask_for_point(&mut self, at: ScreenPoint, is_whole: bool) -> Click {
         self.next_question += 1;
-        let click = Click { id: self.next_question, frame: self.playhead.frame(), from: at, is_whole };
+        let click =
+            Click { id: self.next_question, frame: self.playhead.frame(), from: at, is_whole, keeps_selection: false };
         self.worker.ask(Question::Point { id: click.id, frame: click.frame, at });
         click
     }
@@ -42,7 +44,9 @@ impl Session {
         let unmoved = point.as_ref().filter(|point| point.layer.is_none()).map(|point| point.node.clone());
         let found = point.and_then(|point| Some((point.layer?, point)));
         let Some((layer, point)) = found else {
-            self.selection.clear();
+            if !click.keeps_selection {
+                self.selection.clear();
+            }
             if let Some(node) = unmoved {
                 let hint = "add it to a layer (Nodes), or make one from it (+), in the panel on the left";
                 self.say(format!("No layer moves '{node}': {hint}, then click again."));
@@ -65,7 +69,7 @@ impl Session {
     pub(super) fn place(&mut self, layer: usize, point: &PickedPoint, click: Click) -> bool {
         let shot = self.document.shot();
         let Some(owner) = shot.layers.get(layer) else { return false };
-        let (layer_name, name) = (owner.name.clone(), free_name(shot, layer, &point.node));
+        let (layer_name, name) = (owner.name.clone(), free_name(shot, layer, pin_noun(shot, &point.node)));
         let at = PinName { layer: &layer_name, pin: &name };
         let mut text = add_pin(self.document.text(), Some(&layer_name), &name, &point.anchor);
         // If the surface is displaced already, the pin holds it there.
@@ -234,7 +238,7 @@ impl Session {
     }
 }
 
-/// Returns a name for a pin on a node that is unique in the layer.
+/// Returns a name for a pin, after what it holds, that is unique in the layer.
 fn free_name(shot: &Shot, layer: usize, node: &str) -> String {
     let pins = &shot.layers[layer].pins;
     let is_free = |name: &String| pins.iter().all(|pin| pin.name != *name);

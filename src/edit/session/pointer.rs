@@ -2,7 +2,7 @@
 //!
 //! In: pointer positions and modifier keys. Out: gestures; a drag changes the document once, when it ends.
 
-use super::gesture::{Gesture, Painting};
+use super::gesture::{Click, Gesture, Painting};
 use super::painting::BRUSH_RADII;
 use super::shown::Wipe;
 use super::{Purpose, Session};
@@ -10,6 +10,7 @@ use crate::edit::EditError;
 use crate::edit::axis_ring::going_on;
 use crate::edit::track::{Move, PinScale, key_time, moved};
 use crate::edit::track_keys::{Track, TrackKeys};
+use crate::edit::worker::SolvedFrame;
 use crate::pipeline::LayerMarks;
 use crate::shot::{PinRegion, Shot};
 use crate::space::ScreenPoint;
@@ -26,6 +27,9 @@ const STIFFNESSES: [f64; 2] = [0.01, 100.0];
 
 /// Decades of stiffness per frame height of pointer movement.
 const STIFFNESS_PER_HEIGHT: f64 = 6.0;
+
+/// Distance in hit distances of a ring up to which a press on it is a click.
+const CLICK: f64 = 0.4;
 
 /// Radius in frame heights of a region created by a stiffness drag.
 const USUAL_RADIUS: f64 = 0.1;
@@ -71,13 +75,17 @@ impl Session {
         }
         self.set_gesture_aside();
         let base = Arc::new(self.document.shot().clone());
+        let near = self.pin_near(at, reach);
+        // A ring is as wide as the feet of a figure are apart: a pin that lies on it is caught first.
         if held.part == PinPart::Target
-            && let Some(gesture) = self.turn_at(at, ring, &base)
+            && near.is_none()
+            && let Some(turn) = self.turn_at(at, ring, &base)
         {
-            self.gesture = gesture;
+            let (slack, turn) = (CLICK * ring.reach, Box::new(turn));
+            self.gesture = Gesture::OnRing { from: at, slack, placed: (!held.adds).then_some(held.whole), turn };
             return;
         }
-        if let Some((pin, rest)) = self.pin_near(at, reach) {
+        if let Some((pin, rest)) = near {
             if !self.selection.pins.contains(&pin) {
                 if !held.adds {
                     self.selection.clear();
@@ -140,8 +148,13 @@ impl Session {
 
     /// Handles pointer movement; `grows`: a rotation gesture also scales.
     pub(crate) fn motion_with(&mut self, to: ScreenPoint, grows: bool) {
+        if let Gesture::OnRing { from, slack, turn, .. } = &self.gesture
+            && (to - *from).0.length() > *slack
+        {
+            self.gesture = Gesture::clone(turn);
+        }
         match &mut self.gesture {
-            Gesture::Idle => {}
+            Gesture::Idle | Gesture::OnRing { .. } => {}
             Gesture::Placing { at, .. } => *at = to,
             Gesture::Paint(_) => self.stroke_to(to),
             Gesture::BrushSize { center } => {
@@ -213,6 +226,13 @@ impl Session {
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => {}
             Gesture::Placing { click, at, .. } => self.gesture = Gesture::Placing { click, at, is_up: true },
+            // A ring catches drags alone: a click places a pin on the surface under it.
+            Gesture::OnRing { from, placed, .. } => {
+                if let Some(is_whole) = placed {
+                    let click = Click { keeps_selection: true, ..self.ask_for_point(from, is_whole) };
+                    self.gesture = Gesture::Placing { click, at: from, is_up: true };
+                }
+            }
             Gesture::Box { from, to } => self.choose_box([from, to]),
             Gesture::Drag { has_moved: false, .. } | Gesture::BrushSize { .. } | Gesture::Wipe => {}
             Gesture::Paint(painting) => {
@@ -241,7 +261,11 @@ impl Session {
         let layers = &self.document.shot().layers;
         let is_alone = |at: [usize; 2]| layers.get(at[0]).is_some_and(|layer| layer.pins.len() == 1);
         if self.selection.single_pin().is_some_and(is_alone) {
-            self.say("One pin moves the whole layer: click where the model should stay, and drag again.");
+            // A pin that is placed now would hold the moved place.
+            let what = self.subject();
+            self.say(format!(
+                "One pin moves the whole layer. To bend it: Ctrl+Z, click where the {what} should stay, then drag."
+            ));
         }
     }
 
@@ -409,10 +433,12 @@ impl Session {
         self.selection.handles.extend(handles);
     }
 
-    /// Returns the marks of the current frame.
+    /// Returns the marks of the current frame; until they are known, those of the frame that is seen.
     #[must_use]
     pub(crate) fn marks(&self) -> &[LayerMarks] {
-        self.current_solve.as_ref().map_or(&[], |solve| &solve.marks)
+        let seen = self.current.as_ref().map(|picture| picture.frame);
+        let fits = |solve: &&Arc<SolvedFrame>| solve.frame == self.playhead.frame() || Some(solve.frame) == seen;
+        self.current_solve.as_ref().filter(fits).map_or(&[], |solve| &solve.marks)
     }
 
     pub(super) fn marks_of(&self, layer: usize) -> Option<&LayerMarks> {

@@ -8,6 +8,7 @@ use crate::image::Existing;
 use crate::pipeline::{Event, PreparedShot, RenderOptions, Summary, render};
 use crate::raster::DeviceChoice;
 use crate::shot::Shot;
+use crate::spelling::pluralised;
 use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +26,12 @@ pub(crate) struct RenderRun {
     pub(crate) frames: usize,
     /// Number of frames processed.
     pub(crate) done: usize,
+    /// Number of frames kept from an earlier render.
+    kept: usize,
+    /// How much of the solve over time is done, 0 to 1, while no frame is drawn yet.
+    solved: Option<f64>,
+    /// Where the frames go: a path with a place for the frame number.
+    pub(crate) output: PathBuf,
     /// Its log messages.
     pub(crate) log: Vec<String>,
     /// Its state.
@@ -47,6 +54,8 @@ pub(crate) enum RunState {
 /// What the render's thread reports.
 enum RenderMessage {
     Event(Box<Event>),
+    /// Progress of the solve over time, 0 to 1.
+    Solved(f64),
     Failed(String),
 }
 
@@ -62,6 +71,16 @@ impl Session {
             false => Vec::new(),
         };
         self.run = Some(RenderRun::start(self.document.shot().clone(), (frames, device), wake));
+    }
+
+    /// Follows the render, and tells how it ended, whether its window is open or not. Returns whether anything changed.
+    pub(super) fn pump_render(&mut self) -> bool {
+        let Some(run) = self.run.as_mut().filter(|run| run.is_running()) else { return false };
+        let is_any = run.pump();
+        if let Some(told) = run.outcome() {
+            self.say(told);
+        }
+        is_any
     }
 
     /// Returns the current or last render.
@@ -117,7 +136,7 @@ impl Session {
 
 impl RenderRun {
     fn start(shot: Shot, (frames, device): (Vec<i32>, DeviceChoice), wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let (path, (sender, events)) = (shot.path.clone(), channel());
+        let (path, output, (sender, events)) = (shot.path.clone(), shot.output.path.clone(), channel());
         let cancel = Arc::new(AtomicBool::new(false));
         let (count, own_cancel) =
             (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
@@ -130,7 +149,13 @@ impl RenderRun {
                 ..RenderOptions::default()
             };
             let outcome = PreparedShot::new(shot).and_then(|prepared| {
-                render(&prepared, &options, &own_cancel, &|event| send(RenderMessage::Event(Box::new(event))))
+                render(&prepared, &options, &own_cancel, &|event| {
+                    let is_begun = matches!(event, Event::Started { frames, .. } if frames > 0);
+                    send(RenderMessage::Event(Box::new(event)));
+                    if is_begun {
+                        solve(&prepared, &own_cancel, send);
+                    }
+                })
             });
             if let Err(error) = outcome {
                 send(RenderMessage::Failed(error.to_string()));
@@ -153,8 +178,29 @@ impl RenderRun {
             log.push(format!("no thread can be started: {error}"));
             state = RunState::Ended("Nothing was rendered.".into());
         }
-        let (done, files, is_complete) = (0, Vec::new(), false);
-        Self { shot: path, events, cancel, frames: count, done, log, state, is_complete, files }
+        let (done, kept, files, is_complete) = (0, 0, Vec::new(), false);
+        let (shot, frames, solved) = (path, count, None);
+        Self { shot, events, cancel, frames, done, kept, solved, output, log, state, is_complete, files }
+    }
+
+    /// Returns the part that is done, and what is being done: at first layers are solved over time.
+    #[must_use]
+    pub(crate) fn progress(&self) -> (f64, String) {
+        match self.solved.filter(|_| self.done == 0) {
+            Some(part) => (part, format!("solving over time, {:.0} %", 100.0 * part)),
+            None => (self.done as f64 / self.frames.max(1) as f64, format!("frame {} / {}", self.done, self.frames)),
+        }
+    }
+
+    /// Returns how it ended, and where its frames are; `None` while it is running.
+    #[must_use]
+    pub(crate) fn outcome(&self) -> Option<String> {
+        let RunState::Ended(words) = &self.state else { return None };
+        let folder = self.output.parent().unwrap_or(&self.output).display();
+        Some(match self.is_complete {
+            true => format!("Rendered: {} in {folder}", pluralised(self.files.len() + self.kept, "frame", "frames")),
+            false => format!("Render: {words}"),
+        })
     }
 
     /// Returns whether it is running.
@@ -180,6 +226,7 @@ impl RenderRun {
         loop {
             match self.events.try_recv() {
                 Ok(RenderMessage::Event(event)) => self.take(*event),
+                Ok(RenderMessage::Solved(part)) => self.solved = (part < 1.0).then_some(part),
                 Ok(RenderMessage::Failed(text)) => {
                     self.log.push(text);
                     self.state = RunState::Ended("Nothing was rendered.".into());
@@ -195,8 +242,8 @@ impl RenderRun {
 
     fn take(&mut self, event: Event) {
         match event {
-            Event::Started { device, frames, .. } => {
-                self.frames = frames;
+            Event::Started { device, frames, kept } => {
+                (self.frames, self.kept) = (frames, kept);
                 self.log.push(format!("{device} draws {frames} frames"));
             }
             Event::Note { text } => self.log.push(text),
@@ -221,9 +268,23 @@ impl RenderRun {
     }
 }
 
+/// Solves the layers over time, which the frames then find solved. A fault is told with the first frame.
+fn solve(prepared: &PreparedShot, cancel: &AtomicBool, send: &(dyn Fn(RenderMessage) + Sync)) {
+    if prepared.is_settled() {
+        return;
+    }
+    send(RenderMessage::Solved(0.0));
+    let progress = |part: f64| send(RenderMessage::Solved(part));
+    if prepared.solve_trajectories(&|| cancel.load(Ordering::Relaxed), &progress).is_err() {
+        return;
+    }
+    send(RenderMessage::Solved(1.0));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::FrameReport;
 
     /// A render whose thread ended without a word.
     fn abandoned() -> RenderRun {
@@ -235,6 +296,9 @@ mod tests {
             cancel,
             frames: 77,
             done: 0,
+            kept: 0,
+            solved: None,
+            output: "out/a.####.exr".into(),
             log: Vec::new(),
             state,
             is_complete: false,
@@ -259,6 +323,31 @@ mod tests {
         run.pump();
         session.resume_run(run);
         assert!(!session.is_rendering() && session.take_run().is_none() && session.run().is_some());
+    }
+
+    #[test]
+    fn the_stage_of_a_render_and_its_end_are_told() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        let (sender, events) = channel();
+        session.run = Some(RenderRun { events, ..abandoned() });
+        let event = |event: Event| RenderMessage::Event(Box::new(event));
+        let mut follow = |message: RenderMessage| {
+            sender.send(message).expect("it listens");
+            session.pump();
+            (session.run().expect("it is kept").progress().1, session.message().map(str::to_owned))
+        };
+        let started = Event::Started { device: "CPU".into(), frames: 2, kept: 22 };
+        assert_eq!(follow(event(started)).0, "frame 0 / 2");
+        assert_eq!(follow(RenderMessage::Solved(0.684)).0, "solving over time, 68 %");
+        assert_eq!(follow(RenderMessage::Solved(1.0)).0, "frame 0 / 2");
+        for frame in [1, 2] {
+            follow(event(Event::FrameDone(FrameReport { frame, ..FrameReport::default() })));
+        }
+        let (at, told) = follow(event(Event::Finished(Summary { rendered: 2, kept: 22, ..Summary::default() })));
+        assert_eq!((at.as_str(), told.as_deref()), ("frame 2 / 2", Some("Rendered: 24 frames in out")));
+        session.say("else");
+        session.pump();
+        assert_eq!(session.message(), Some("else"), "it is told once");
     }
 
     #[test]

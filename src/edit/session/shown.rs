@@ -39,6 +39,9 @@ pub(crate) struct Shown {
     /// Whether all overlays are hidden temporarily.
     #[serde(skip)]
     pub(crate) is_hidden: bool,
+    /// The pin that the tour points at.
+    #[serde(skip)]
+    pub(crate) pointed: Option<[usize; 2]>,
 }
 
 /// Onion skins: neighbouring frames behind the current one, or over it if it is opaque.
@@ -84,7 +87,7 @@ impl Shown {
     /// Returns what holds in the next session, too: no comparison, nothing hidden.
     #[must_use]
     pub(crate) const fn lasting(self) -> Self {
-        Self { wipe: Wipe::Off, is_before: false, is_hidden: false, ..self }
+        Self { wipe: Wipe::Off, is_before: false, is_hidden: false, pointed: None, ..self }
     }
 
     /// Whether pins are seen.
@@ -115,6 +118,7 @@ impl Default for Shown {
             wipe: Wipe::Off,
             is_before: false,
             is_hidden: false,
+            pointed: None,
         }
     }
 }

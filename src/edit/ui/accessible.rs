@@ -7,11 +7,18 @@ use eframe::egui::{Id, Rect, Response, Role, Sense, Ui, WidgetInfo};
 pub(super) trait Accessible {
     /// Sets the name used by screen readers and tests, also shown as a tooltip.
     fn accessible(self, name: &str) -> Self;
+
+    /// Sets the name used by screen readers and tests, and a tooltip that says what the widget does.
+    fn explained(self, name: &str, hint: &str) -> Self;
 }
 
 impl Accessible for Response {
     fn accessible(self, name: &str) -> Self {
         self.accessible_name(name).on_hover_text(name)
+    }
+
+    fn explained(self, name: &str, hint: &str) -> Self {
+        self.accessible_name(name).on_hover_text(hint)
     }
 }
 

@@ -56,14 +56,19 @@ pub(super) fn settings(ui: &mut Ui, session: &mut Session) {
             ui.label("Radius");
             let mut radius = session.brush.radius * lines;
             let value = DragValue::new(&mut radius).range(BRUSH_RADII[0] * lines..=BRUSH_RADII[1] * lines);
-            if ui.add(value.speed(0.5).max_decimals(0).suffix(" px")).accessible("Brush radius").changed() {
+            if ui
+                .add(value.speed(0.5).max_decimals(0).suffix(" px"))
+                .explained("Brush radius", "Radius of the brush, in pixels of the frame")
+                .changed()
+            {
                 session.brush.radius = radius / lines;
             }
             ui.end_row();
             ui.label("Stiffness");
             let [low, high] = BRUSH_STIFFNESSES;
             let slider = Slider::new(&mut session.brush.stiffness, low..=high).logarithmic(true).max_decimals(2);
-            ui.add(slider).accessible("Brush stiffness");
+            ui.add(slider)
+                .explained("Brush stiffness", "What the brush paints. Above 1: keeps its shape; below 1: gives way");
             ui.end_row();
         });
         ui.checkbox(&mut session.shown.painted, "Show what is painted");

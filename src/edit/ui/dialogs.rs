@@ -26,9 +26,10 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
     let (mut is_open, mut is_closed) = (true, false);
     let window = egui::Window::new("Render").open(&mut is_open).collapsible(true).default_size(vec2(520.0, 320.0));
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
-        let part = run.done as f32 / run.frames.max(1) as f32;
+        let (part, stage) = run.progress();
+        ui.weak(format!("Frames go to {}", run.output.display()));
         ui.horizontal(|ui| {
-            ui.add(egui::ProgressBar::new(part).desired_width(380.0).text(format!("{} / {}", run.done, run.frames)));
+            ui.add(egui::ProgressBar::new(part as f32).desired_width(380.0).text(stage));
             match &run.state {
                 RunState::Running if ui.button("Cancel").clicked() => session.cancel_render(),
                 RunState::Running => {}
@@ -37,9 +38,6 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
         });
         if let RunState::Ended(words) = &run.state {
             ui.strong(words);
-            if let Some(folder) = run.files.first().and_then(|file| file.parent()) {
-                ui.weak(format!("Frames are in {}", folder.display()));
-            }
             let hint = "Lays the rendered frames over the picture, frame by frame, as the reference";
             let look = ui.add_enabled(!run.files.is_empty(), egui::Button::new("Look at the frames"));
             *is_wanted = look.on_hover_text(hint).clicked();
@@ -66,7 +64,8 @@ pub(super) fn replace_exported(ctx: &egui::Context, session: &mut Session) {
     }
 }
 
-/// Asks a three-way question.
+/// Asks a three-way question. Without a first answer the second one, which ends something, stands apart: it must not appear under a
+/// pointer that has just answered another question.
 pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&str; 3]) -> Option<Answer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique(title)).show(ctx, |ui| {
@@ -75,12 +74,22 @@ pub(super) fn ask(ctx: &egui::Context, (title, words): (&str, &str), answers: [&
         ui.add_space(6.0);
         ui.label(words);
         ui.add_space(12.0);
-        ui.horizontal(|ui| {
-            for (text, own) in answers.into_iter().zip([Answer::First, Answer::Second, Answer::Cancel]) {
-                if !text.is_empty() && ui.button(text).clicked() {
-                    answer = Some(own);
-                }
+        let [first, second, cancel] = answers;
+        let mut button = |ui: &mut egui::Ui, text: &str, own: Answer| {
+            if !text.is_empty() && ui.button(text).clicked() {
+                answer = Some(own);
             }
+        };
+        ui.horizontal(|ui| {
+            if first.is_empty() {
+                button(ui, cancel, Answer::Cancel);
+                let layout = egui::Layout::right_to_left(egui::Align::Center);
+                ui.with_layout(layout, |ui| button(ui, second, Answer::Second));
+                return;
+            }
+            button(ui, first, Answer::First);
+            button(ui, second, Answer::Second);
+            button(ui, cancel, Answer::Cancel);
         });
     });
     if modal.should_close() { Some(Answer::Cancel) } else { answer }

@@ -8,7 +8,8 @@ use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, export_window, key_window, keys, menus, panels, start, theme, tour_window, viewport};
-use crate::edit::{Action, Document, Dropped, EditError, RenderRun, Session, Shortcuts, Tour, Unfinished, unfinished};
+use crate::edit::{Action, Document, Dropped, EditError, RenderRun, Session, Shortcuts, Tour, Unfinished};
+use crate::edit::{recent_shots, remember_shot, unfinished};
 use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub(crate) struct Editor {
     pub(super) has_background_failed: bool,
     /// Work of killed editors.
     pub(super) left: Vec<Unfinished>,
+    /// Shots that were open last, as the start page lists them.
+    recent: Vec<PathBuf>,
     fault: Option<String>,
     pub(super) browser: Option<Browser>,
     pub(super) timeline: Timeline,
@@ -79,7 +82,7 @@ impl Editor {
             Ok(shortcuts) => (shortcuts, None),
             Err(error) => (Shortcuts::default(), Some(error.to_string())),
         };
-        let left = unfinished(&options.journals());
+        let (left, recent) = (unfinished(&options.journals()), recent_shots(&options.recent()));
         Self {
             options,
             shortcuts,
@@ -88,6 +91,7 @@ impl Editor {
             background: Vec::new(),
             has_background_failed: false,
             left,
+            recent,
             fault,
             browser: None,
             timeline: Timeline::default(),
@@ -121,13 +125,25 @@ impl Editor {
     /// [`EditError`] if it cannot be opened; the current document then stays open.
     pub(crate) fn open(&mut self, ctx: &egui::Context, path: &Path) -> Result<(), EditError> {
         let document = crate::edit::open(path, self.options.access)?;
+        let shot = document.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_beside = document.on_disk().is_some() && *name != *shot;
         self.begin(ctx, document);
+        if let Some(session) = self.session.as_mut().filter(|session| is_beside && session.message().is_none()) {
+            session.say(format!("{shot} opened, the shot of {name}"));
+        }
         Ok(())
     }
 
     /// Starts editing a document.
     pub(super) fn begin(&mut self, ctx: &egui::Context, mut document: Document) {
         self.questions = Questions::default();
+        // Bundled scenes are on the start page anyway.
+        if !document.path().starts_with(&self.options.folder)
+            && let Err(error) = remember_shot(&self.options.recent(), document.path())
+        {
+            tracing::warn!("the shot cannot be listed on the start page: {error}");
+        }
         if !document.has_journal() {
             self.look_for_work(document.path());
             document.keep_journal(&self.options.journals());
@@ -190,7 +206,8 @@ impl Editor {
         self.bar(ui, &ctx, now);
         match &mut self.session {
             None => {
-                let shown = CentralPanel::no_frame().show(ui, |ui| start::show(ui, &self.left, self.fault.as_deref()));
+                let known = (&self.left[..], &self.recent[..]);
+                let shown = CentralPanel::no_frame().show(ui, |ui| start::show(ui, known, self.fault.as_deref()));
                 self.start(&ctx, shown.inner);
             }
             Some(session) => {
@@ -215,9 +232,14 @@ impl Editor {
     fn bar(&mut self, ui: &mut Ui, ctx: &egui::Context, now: f64) {
         let chosen = Panel::top("bar").show(ui, |ui| {
             ui.horizontal(|ui| {
-                let chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
+                let mut chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
                 if let Some(session) = &self.session {
-                    menus::state(ui, session, &self.background);
+                    let keys = (&self.shortcuts, !self.shows_render);
+                    match menus::state(ui, session, &self.background, keys) {
+                        Some(menus::BarClick::Render) => chosen.push(Action::Render),
+                        Some(menus::BarClick::ShowRender) => self.shows_render = true,
+                        None => {}
+                    }
                 }
                 chosen
             })
@@ -235,6 +257,7 @@ impl Editor {
                 self.browse(Purpose::Open);
                 Ok(())
             }
+            StartAction::Recent(shot) => self.open(ctx, &shot),
             StartAction::Bundled(index) => self.open_bundled(ctx, index),
             StartAction::Tour => {
                 self.tour(ctx);
@@ -293,9 +316,11 @@ impl Editor {
             let chords = key_window::Chords { shortcuts: &mut self.shortcuts, rebound: &mut self.rebound };
             self.shows_keys = key_window::show(ctx, chords, &self.options.keys());
         }
-        if let (Some(tour), Some(session)) = (&mut self.tour, &self.session) {
+        if let (Some(tour), Some(session)) = (&mut self.tour, &mut self.session) {
             tour.follow(session);
-            if !tour_window::show(ctx, tour, session) {
+            let is_open = tour_window::show(ctx, tour, session);
+            session.shown.pointed = tour.pin(session).filter(|_| is_open);
+            if !is_open {
                 self.tour = None;
             }
         }

@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
     ui.horizontal(|ui| {
         ui.strong(if handles.len() > 1 { "Handles" } else { "Handle" });
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let hint = "Put the chosen handles back to rest, with all their keys";
+            let hint = "Put the selected handles back to rest, with all their keys";
             if !handles.is_empty() && ui.small_button("Reset").on_hover_text(hint).clicked() {
                 session.reset_handles();
             }
@@ -37,14 +37,14 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             return;
         }
         [] => {
-            ui.weak("None is chosen. Click one, or drag a box around several.");
-            if ui.small_button("Choose the first").clicked() {
+            ui.weak("None is selected. Click one, or drag a box around several.");
+            if ui.small_button("Select the first").clicked() {
                 session.selection.only_handle((layer, [0; 3]));
             }
             return;
         }
         [_] => {}
-        more => _ = ui.weak(format!("{} handles are chosen: a number goes to all of them.", more.len())),
+        more => _ = ui.weak(format!("{} handles are selected: a number goes to all of them.", more.len())),
     }
     Grid::new("handles").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         if let [only] = handles[..] {

@@ -27,9 +27,12 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             None => {
                 ui.strong("Pin");
                 ui.separator();
+                let what = session.subject();
                 ui.weak(match session.selection.pins.len() {
-                    0 => "None is chosen. Click the model to place one; drag empty space to choose several.".to_owned(),
-                    count => format!("{count} pins are chosen: drag one of them, nudge them with the arrow keys."),
+                    0 => {
+                        format!("None is selected. Click the {what} to place one; drag empty space to select several.")
+                    }
+                    count => format!("{count} pins are selected: drag one of them, nudge them with the arrow keys."),
                 });
                 hard(ui, session);
             }
@@ -188,18 +191,33 @@ fn region(ui: &mut Ui, session: &mut Session, (at, region): ([usize; 2], Option<
     let (unit, scale) = session.radius_unit(at).display(lines);
     let mut radius = old.radius * scale;
     let decimals = if scale == lines { 0 } else { 3 };
-    let field = NumberField { name: "Radius", hint: "Radius", range: 1e-5 * scale..=1e5 * scale, decimals };
+    let field = NumberField {
+        name: "Radius",
+        hint: "How far around the pin things move with it",
+        range: 1e-5 * scale..=1e5 * scale,
+        decimals,
+    };
     let mut is_edited = field.drag(ui, &mut radius, |number| number.speed(scale / lines).suffix(unit));
     if is_edited {
         new.radius = radius / scale;
     }
     ui.end_row();
     ui.label("Rigidity");
-    let field = NumberField { name: "Rigidity", hint: "Rigidity", range: 0.0..=1.0, decimals: 2 };
+    let field = NumberField {
+        name: "Rigidity",
+        hint: "1: the region moves as one piece; 0: it bends",
+        range: 0.0..=1.0,
+        decimals: 2,
+    };
     is_edited |= field.slider(ui, &mut new.rigidity, |slider| slider);
     ui.end_row();
     ui.label("Stiffness");
-    let field = NumberField { name: "Stiffness", hint: "Stiffness", range: 0.001..=1000.0, decimals: 3 };
+    let field = NumberField {
+        name: "Stiffness",
+        hint: "How much the region resists bending; 1: as the rest",
+        range: 0.001..=1000.0,
+        decimals: 3,
+    };
     is_edited |= field.slider(ui, &mut new.stiffness, |slider| slider.logarithmic(true));
     ui.end_row();
     if is_edited {
@@ -228,7 +246,7 @@ fn report(ui: &mut Ui, session: &mut Session) {
     Grid::new("report").num_columns(3).spacing([10.0, 4.0]).show(ui, |ui| {
         for figure in Figure::ALL {
             let Some(here) = figure.of(&solve.report) else { continue };
-            ui.label(figure.name());
+            ui.label(figure.name()).on_hover_text(figure.meaning());
             let color = if figure.is_bad(here) { heat(3.0) } else { ui.visuals().text_color() };
             ui.label(RichText::new(format!("{here:.3}")).color(color).monospace());
             let button = ui.small_button("worst").on_hover_text(&hint);

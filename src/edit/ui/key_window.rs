@@ -3,8 +3,11 @@
 use super::accessible::Accessible;
 use super::keys::words;
 use crate::edit::{Action, Chord, Shortcuts};
-use eframe::egui::{self, Align2, Button, Event, Grid, Id, Key, RichText, vec2};
+use eframe::egui::{self, Align2, Button, Event, Grid, Id, Key, RichText, ScrollArea, Vec2, vec2};
 use std::path::Path;
+
+/// What the list leaves of the window: room for its title, and a margin.
+const BORDER: Vec2 = vec2(48.0, 88.0);
 
 /// The shortcuts, and the action that is waiting for its new key.
 pub(super) struct Chords<'a> {
@@ -25,21 +28,26 @@ pub(super) fn show(ctx: &egui::Context, mut chords: Chords, file: &Path) -> bool
         ctx.data_mut(|data| data.insert_temp(note, text));
     }
     let mut is_open = true;
+    // In a small window the list scrolls, below its title and its close button.
+    let room = ctx.content_rect().size() - BORDER;
     let window = egui::Window::new("Keys").open(&mut is_open).collapsible(false).resizable(false);
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
-        ui.horizontal_top(|ui| {
-            ui.spacing_mut().item_spacing.x = 26.0;
-            for groups in [["File", "Edit", "Help"], ["Time", "Hold", "Nudge"], ["View", "", ""]] {
-                ui.vertical(|ui| groups.iter().for_each(|group| key_group(ui, &mut chords, group)));
+        let area = ScrollArea::both().max_width(room.x).max_height(room.y);
+        area.min_scrolled_width(room.x).min_scrolled_height(room.y).show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing.x = 26.0;
+                for groups in [["File", "Edit", "Help"], ["Time", "Hold", "Nudge"], ["View", "", ""]] {
+                    ui.vertical(|ui| groups.iter().for_each(|group| key_group(ui, &mut chords, group)));
+                }
+            });
+            ui.separator();
+            let fault = ctx.data(|data| data.get_temp::<String>(note)).unwrap_or_default();
+            if !fault.is_empty() {
+                ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));
             }
+            ui.weak("Alt and a click: the pin takes its surroundings along. Arrow keys belong to rows and curves of keys while these have the focus.");
+            ui.weak(format!("Click a key to bind another one, which is kept in {}", file.display()));
         });
-        ui.separator();
-        let fault = ctx.data(|data| data.get_temp::<String>(note)).unwrap_or_default();
-        if !fault.is_empty() {
-            ui.label(RichText::new(fault).color(ui.visuals().error_fg_color));
-        }
-        ui.weak("Alt and a click: the pin takes its surroundings along. Arrow keys belong to rows and curves of keys while these have the focus.");
-        ui.weak(format!("Click a key to bind another one, which is kept in {}", file.display()));
     });
     let is_left = ctx.input(|input| input.key_pressed(Key::Escape)) && !was_waiting;
     if !is_open || is_left {

@@ -45,7 +45,8 @@ fn space(ui: &mut Ui, session: &mut Session, now: Space) {
             }
         }
     });
-    list.response.accessible("Space");
+    let hint = "Where the lattice lies. On the screen it bends the picture, in the scene the model itself";
+    list.response.explained("Space", hint);
 }
 
 fn dims(ui: &mut Ui, session: &mut Session, layer: &Layer) {
@@ -84,7 +85,9 @@ fn basis(ui: &mut Ui, session: &mut Session, basis: Basis) {
             }
         }
     });
-    list.response.accessible("Basis");
+    let hint = "How handles pull what lies between them. bspline: smooth and local, the usual one; bilinear: straight within each \
+                cell; bernstein: smooth, each handle pulls everything; barytri: straight within triangles";
+    list.response.explained("Basis", hint);
 }
 
 fn bounds(ui: &mut Ui, session: &mut Session, space: LayerSpace) {
@@ -105,7 +108,9 @@ fn bounds(ui: &mut Ui, session: &mut Session, space: LayerSpace) {
             }
         }
     });
-    list.response.accessible("Box");
+    let hint =
+        "What the lattice covers. follow: the layer, as it moves; frame: the whole frame; fixed: what it covers now";
+    list.response.explained("Box", hint);
 }
 
 /// Shows the corners of a box that is fixed, in pixels or in metres of the scene.
@@ -155,7 +160,9 @@ fn nodes(ui: &mut Ui, session: &mut Session, layer: &Layer) {
         [only] => only.clone(),
         more => format!("{} and {} more", more[0], more.len() - 1),
     };
-    let button = ui.add(eframe::egui::Button::new(words).truncate()).accessible("Nodes");
+    let button = ui
+        .add(eframe::egui::Button::new(words).truncate())
+        .explained("Nodes", "The parts of the scene that this layer moves");
     Popup::menu(&button).close_behavior(eframe::egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         let mut names: Vec<String> = session.loaded().nodes.iter().map(|(name, _)| name.clone()).collect();
         let patterns = layer.nodes.iter().filter(|pattern| !names.contains(pattern)).cloned();

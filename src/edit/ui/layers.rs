@@ -128,7 +128,12 @@ fn settings(ui: &mut Ui, session: &mut Session) {
             // The layer's effective strength includes the shot's, so the file's own value is edited.
             let mut strength = session.own_strength(index);
             ui.label("Strength");
-            let field = NumberField { name: "Strength", hint: "Strength", range: 0.0..=2.0, decimals: 2 };
+            let field = NumberField {
+                name: "Strength",
+                hint: "How much of the warp is applied. 1: all; 0: none; above 1 exaggerates",
+                range: 0.0..=2.0,
+                decimals: 2,
+            };
             if field.slider(ui, &mut strength, |slider| slider.clamping(egui::SliderClamping::Never)) {
                 let setting =
                     if strength == 1.0 { Setting::Default } else { Setting::Number((strength * 1e3).round() / 1e3) };
@@ -138,7 +143,12 @@ fn settings(ui: &mut Ui, session: &mut Session) {
             lattice_panel::show(ui, session, &layer);
             ui.label("Smoothness");
             let mut smoothness = session.own_smoothness(index);
-            let field = NumberField { name: "Smoothness", hint: "Smoothness", range: 0.1..=10.0, decimals: 2 };
+            let field = NumberField {
+                name: "Smoothness",
+                hint: "Higher: a pin pulls more of the layer along. Lower: its pull stays near it",
+                range: 0.1..=10.0,
+                decimals: 2,
+            };
             if field.slider(ui, &mut smoothness, |slider| slider.logarithmic(true)) {
                 let setting = Setting::Number((smoothness * 1e2).round() / 1e2);
                 session.set_layer("Change smoothness", &["solve", "smoothness"], &setting, Some("smoothness"));

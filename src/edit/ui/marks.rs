@@ -14,6 +14,9 @@ use std::collections::BTreeMap;
 /// Radius of the ring around a selected pin in points.
 pub(super) const RING: f32 = 44.0;
 
+/// Radii of the circles around the pin that the tour points at, in points.
+const POINTED: [f32; 2] = [13.0, 19.0];
+
 /// Number of frames on either side that trails cover.
 const TRAIL: i32 = 24;
 
@@ -98,7 +101,7 @@ impl Over<'_> {
     }
 
     fn lattice(&self, marks: &LayerMarks, is_chosen: bool) {
-        let color = if is_chosen { over::LATTICE } else { over::OTHER_LATTICE };
+        let color = over::lattice(&self.painter.ctx().global_style().visuals, is_chosen);
         // Dense lines would cover the picture, so they are faded.
         let color = color.gamma_multiply((self.line_spacing(marks) / WIDE).clamp(0.35, 1.0));
         for line in &marks.lines {
@@ -207,6 +210,12 @@ impl Over<'_> {
         } else {
             3.0
         };
+        if session.shown.pointed == Some([layer, pin.pin]) {
+            for around in POINTED {
+                self.painter.circle_stroke(target, around, Stroke::new(4.0, over::SHADE));
+                self.painter.circle_stroke(target, around, Stroke::new(2.0, over::PIN));
+            }
+        }
         self.painter.circle_filled(target, radius + 1.5, over::SHADE);
         self.painter.circle_filled(target, radius, over::PIN);
         if is_chosen {

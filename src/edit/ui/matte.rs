@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
             }
         }
     });
-    list.response.accessible("Matte");
+    list.response.explained("Matte", "The part of the plate that this layer moves");
     let Some((old, hint)) = words(&now) else { return };
     let field = NameField { name: "Names of the matte", hint, width: 120.0 };
     let typed = field.show(ui, session.selection.layer, &old);

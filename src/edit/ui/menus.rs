@@ -8,9 +8,9 @@ use eframe::egui::containers::menu::MenuConfig;
 use eframe::egui::widgets::color_picker;
 use eframe::egui::{self, Button, Color32, PopupCloseBehavior, ProgressBar, RichText, ThemePreference, Ui};
 
-/// The default hint: the basic operations in one line.
-const HINT: &str = "Click the model: pin.  Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: choose.  \
-                    Wheel: zoom.  Middle button or Space: pan.  F1: keys.";
+/// The default hint after its first words: the basic operations in one line.
+const HINT: &str = "Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: select.  Wheel: zoom.  \
+                    Middle button or Space: pan.  F1: keys.";
 
 /// Shows the menus; returns the selected actions.
 pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
@@ -143,7 +143,7 @@ fn onion(ui: &mut Ui, onion: &mut Onion) {
     ui.indent("onion", |ui| {
         ui.add(egui::Slider::new(&mut onion.count, 1..=5).text("on either side"));
         let mut by_keys = onion.every == 0;
-        if ui.checkbox(&mut by_keys, "by keys of what is chosen").changed() {
+        if ui.checkbox(&mut by_keys, "by keys of what is selected").changed() {
             onion.every = if by_keys { 0 } else { 2 };
         }
         if !by_keys {
@@ -179,12 +179,40 @@ fn theme(ui: &mut Ui) {
     });
 }
 
-/// Shows the file's name in the middle of the bar, and at its right end the progress, that of renders of other shots, too.
-pub(super) fn state(ui: &mut Ui, session: &Session, background: &[RenderRun]) {
+/// A click at the right end of the bar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum BarClick {
+    Render,
+    /// Shows the window of the render.
+    ShowRender,
+}
+
+/// Shows the button that renders; returns whether it was clicked.
+fn render(ui: &mut Ui, session: &Session, shortcuts: &Shortcuts) -> bool {
+    let hint = format!(
+        "Writes the frames to {}, with previews beside them ({}). Frames that are up to date are kept.",
+        session.shot().output.path.display(),
+        words(shortcuts, Action::Render)
+    );
+    ui.button("Render").on_hover_text(hint).accessible_name("Render frames").clicked()
+}
+
+/// Shows the file's name at the right end of the bar, the button that renders, and the progress, that of renders of other shots, too.
+/// `is_hidden`: whether the window of the render is not shown.
+pub(super) fn state(
+    ui: &mut Ui,
+    session: &Session,
+    background: &[RenderRun],
+    (shortcuts, is_hidden): (&Shortcuts, bool),
+) -> Option<BarClick> {
+    let mut click = None;
     let name = session.document().path().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let sign = if session.document().is_dirty() { "not saved" } else { "" };
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_space(6.0);
+        if render(ui, session, shortcuts) {
+            click = Some(BarClick::Render);
+        }
         if let Some(part) = session.progress() {
             ui.add(ProgressBar::new(part as f32).desired_width(110.0).text("over time"));
         }
@@ -196,16 +224,24 @@ pub(super) fn state(ui: &mut Ui, session: &Session, background: &[RenderRun]) {
             let bar = ui.add(progress(run)).on_hover_text(format!("Rendering {}", run.shot.display()));
             bar.accessible_name(format!("Rendering {name}"));
         }
-        session.run().filter(|run| run.is_running()).into_iter().for_each(|run| _ = ui.add(progress(run)));
+        if let Some(run) = session.run() {
+            if run.is_running() {
+                ui.add(progress(run));
+            }
+            if is_hidden && ui.button("Show the render").on_hover_text("Progress, log, frames").clicked() {
+                click = Some(BarClick::ShowRender);
+            }
+        }
         ui.weak(sign);
         ui.label(RichText::new(name).strong());
     });
+    click
 }
 
 /// Returns the progress of a render.
 fn progress(run: &RenderRun) -> ProgressBar {
-    let part = run.done as f32 / run.frames.max(1) as f32;
-    ProgressBar::new(part).desired_width(110.0).text(format!("frame {} / {}", run.done, run.frames))
+    let (part, stage) = run.progress();
+    ProgressBar::new(part as f32).desired_width(160.0).text(stage)
 }
 
 /// Shows the bottom line: the message of the last action, or a hint.
@@ -218,7 +254,7 @@ pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
             let words = match (session.fault(), session.message()) {
                 (Some(fault), _) => RichText::new(fault).color(ui.visuals().error_fg_color),
                 (None, Some(message)) => RichText::new(message),
-                (None, None) => RichText::new(HINT).weak(),
+                (None, None) => RichText::new(format!("Click the {}: pin.  {HINT}", session.subject())).weak(),
             };
             // Truncated text is shown in full as a tooltip.
             let full = words.text().to_owned();

@@ -33,6 +33,7 @@ mod over;
 mod pan;
 mod panel_edge;
 mod panels;
+mod pen;
 mod picture_parts;
 mod pin_names;
 mod questions;

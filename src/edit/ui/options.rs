@@ -11,7 +11,7 @@ pub(crate) struct EditorOptions {
     pub device: DeviceChoice,
     /// The files that scenes may refer to.
     pub access: FileAccess,
-    /// The folder of journals, the user's keys and view, and unpacked scenes.
+    /// The folder of journals, recent shots, the user's keys and view, and unpacked scenes.
     pub folder: PathBuf,
 }
 
@@ -31,6 +31,10 @@ impl EditorOptions {
 
     pub(super) fn keys(&self) -> PathBuf {
         self.folder.join("keys.json")
+    }
+
+    pub(super) fn recent(&self) -> PathBuf {
+        self.folder.join("recent.json")
     }
 
     pub(super) fn view(&self) -> PathBuf {

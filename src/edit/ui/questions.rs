@@ -4,7 +4,7 @@
 
 use super::dialogs::{Answer, ask};
 use super::editor::{Deferred, Editor};
-use crate::edit::{DiskChange, Document, EditError, RenderRun, RunState, Session, forget, unfinished};
+use crate::edit::{DiskChange, Document, EditError, RenderRun, Session, forget, unfinished};
 use crate::files::is_same_file;
 use crate::spelling::pluralised;
 use eframe::egui;
@@ -132,8 +132,8 @@ impl Editor {
         self.background.iter_mut().for_each(|run| _ = run.pump());
         for run in self.background.extract_if(.., |run| !run.is_running()) {
             self.has_background_failed |= run.has_failed();
-            let (RunState::Ended(words), Some(session)) = (&run.state, &mut self.session) else { continue };
-            session.say(format!("{}: {words}", run.shot.display()));
+            let (Some(told), Some(session)) = (run.outcome(), &mut self.session) else { continue };
+            session.say(format!("{}: {told}", run.shot.display()));
         }
     }
 
@@ -255,7 +255,9 @@ impl Editor {
 
     fn ask_unsaved(&mut self, ctx: &egui::Context) {
         let Some(deferred) = self.questions.unsaved.clone() else { return };
-        let asked = ask(ctx, ("Save the changes?", "They are lost otherwise."), ["Save", "Discard", "Cancel"]);
+        let name = self.session.as_ref().map(|session| session.document().path().display().to_string());
+        let words = format!("The changes of {} are lost otherwise.", name.unwrap_or_default());
+        let asked = ask(ctx, ("Save the changes?", &words), ["Save", "Discard", "Cancel"]);
         let (Some(answer), Some(session)) = (asked, &mut self.session) else { return };
         self.questions.unsaved = None;
         if answer == Answer::First

@@ -28,12 +28,16 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
                 });
                 ui.end_row();
             }
+            ui.label("Frames go to");
+            let output = session.shot().output.path.display().to_string();
+            let name = session.shot().output.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            ui.add(Label::new(name).truncate()).on_hover_text(output);
+            ui.end_row();
             ui.label("Samples");
             let mut samples = session.shot().samples;
             if ui
                 .add(whole(&mut samples, 1..=4096))
-                .accessible("Samples")
-                .on_hover_text("a pixel, of the rendered frame")
+                .explained("Samples", "Samples a pixel of the rendered frame: more are smoother and slower")
                 .changed()
             {
                 session.set_shot("Change samples", &["samples"], &Setting::Whole(i64::from(samples)), Some("samples"));
@@ -62,7 +66,7 @@ fn clip(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    list.response.accessible("Clip");
+    list.response.explained("Clip", "The animation of the scene that is played");
     ui.end_row();
 }
 
@@ -98,7 +102,7 @@ fn camera(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    list.response.accessible("Camera");
+    list.response.explained("Camera", "The camera of the scene, or a view of it");
     ui.end_row();
 }
 

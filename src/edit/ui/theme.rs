@@ -28,12 +28,14 @@ pub(super) fn install(ctx: &egui::Context) {
     });
 }
 
-fn dark() -> Visuals {
+/// Returns the dark theme.
+pub(super) fn dark() -> Visuals {
     let mut visuals = Visuals::dark();
     visuals.panel_fill = Color32::from_gray(30);
     visuals.window_fill = Color32::from_gray(36);
     visuals.extreme_bg_color = Color32::from_gray(20);
     visuals.faint_bg_color = Color32::from_gray(36);
+    visuals.weak_text_color = Some(Color32::from_gray(156));
     visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_gray(50));
     visuals.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_gray(188));
     visuals.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_gray(208));
@@ -45,11 +47,13 @@ fn dark() -> Visuals {
     visuals
 }
 
-fn light() -> Visuals {
+/// Returns the light theme.
+pub(super) fn light() -> Visuals {
     let mut visuals = Visuals::light();
     visuals.panel_fill = Color32::from_gray(238);
     visuals.window_fill = Color32::from_gray(246);
     visuals.faint_bg_color = Color32::from_gray(228);
+    visuals.weak_text_color = Some(Color32::from_gray(88));
     visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, Color32::from_gray(208));
     visuals.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_gray(56));
     visuals.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_gray(40));

@@ -123,7 +123,7 @@ impl Timeline {
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 ui.add_space(8.0);
-                ui.weak(format!("Layer '{}' has no pins: click the model to place one.", owner.name));
+                ui.weak(format!("Layer '{}' has no pins: click the {} to place one.", owner.name, session.subject()));
             });
         }
         let by = self.moved.map_or(0, |(_, by)| by);
@@ -209,10 +209,19 @@ fn mark_worst(ui: &Ui, session: &mut Session, (ruler, painter): (&Response, &Pai
         let color = if *is_bad { heat(3.0) } else { ui.visuals().weak_text_color() };
         painter.add(Shape::convex_polygon(corners.to_vec(), color, Stroke::NONE));
     }
+    let worst = |frame: i32, names: &[&str]| format!("Worst by {}: frame {frame}", names.join(" and "));
+    let pointed = ruler.hover_pos().and_then(|at| {
+        let mark = |frame: &i32| Rect::from_center_size(tip(*frame) - vec2(0.0, 3.0), vec2(10.0, 8.0));
+        marks.iter().find(|(frame, _)| mark(frame).contains(at))
+    });
+    if let Some((&frame, (is_bad, names))) = pointed {
+        let hint = if *is_bad { "; it deserves a look" } else { "" };
+        ruler.clone().on_hover_text_at_pointer(format!("{}{hint}", worst(frame, names)));
+    }
     let parts = marks.iter().map(|(&frame, (_, names))| Part {
         id: ruler.id.with(("worst", frame)),
         rect: Rect::from_center_size(tip(frame) - vec2(0.0, 3.0), vec2(8.0, 6.0)),
-        label: format!("Worst by {}: frame {frame}", names.join(" and ")),
+        label: worst(frame, names),
         is_chosen: frame == session.playhead.frame(),
     });
     let chosen = accessible::parts(ui, ruler, parts);

@@ -6,7 +6,7 @@ use eframe::egui::{self, Align2, vec2};
 /// Shows the step of the tour. Returns false once the tour is left.
 pub(super) fn show(ctx: &egui::Context, tour: &mut Tour, session: &Session) -> bool {
     let [place, count] = tour.place();
-    let [title, text] = tour.step().words();
+    let [title, text] = tour.words(session);
     let (mut is_open, mut is_next) = (true, false);
     let window = egui::Window::new("Tour").title_bar(false).collapsible(false).resizable(false).default_width(330.0);
     window.anchor(Align2::CENTER_TOP, vec2(0.0, 44.0)).show(ctx, |ui| {

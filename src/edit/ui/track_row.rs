@@ -102,6 +102,8 @@ pub(super) fn show(
         let shift = if session.selection.has_key(row.track, *frame) { f64::from(by) } else { 0.0 };
         pos2(scale.x(frame + shift), rect.center().y)
     };
+    // Keys before the first frame must not cross the name.
+    let painter = painter.with_clip_rect(Rect::from_min_max(pos2(names.right(), rect.top()), rect.max));
     for pair in row.keys.windows(2).filter(|pair| pair[0].1 != Ease::Hold) {
         painter.line_segment([place(&pair[0]), place(&pair[1])], Stroke::new(2.0, line.color));
     }
@@ -111,7 +113,7 @@ pub(super) fn show(
         diamond(&painter, place(key), key.1, fill);
     }
     if response.has_focus() {
-        painter.rect_stroke(rect.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
+        ui.painter_at(rect).rect_stroke(rect.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
     }
     name_keys(ui, session, &response, (row, scale));
     let leaves = keyboard(ui, session, &response, row);

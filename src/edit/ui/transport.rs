@@ -29,7 +29,9 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
         }
         let mut frame = session.playhead.frame();
         let [least, most] = session.playhead.shot_range();
-        let value = ui.add(DragValue::new(&mut frame).range(least..=most.max(least)).speed(0.2)).accessible("Frame");
+        let value = ui
+            .add(DragValue::new(&mut frame).range(least..=most.max(least)).speed(0.2))
+            .explained("Frame", "The frame that is shown: type it, or drag");
         if value.changed() {
             session.go(frame);
         }
@@ -43,7 +45,7 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
         {
             session.auto_key = if is_auto { AutoKey::On } else { AutoKey::Off };
         }
-        if ui.button("Key").on_hover_text("Insert a key for the chosen pins").clicked() {
+        if ui.button("Key").on_hover_text("Insert a key for the selected pins").clicked() {
             session.insert_keys();
         }
         eases(ui, session);
@@ -57,7 +59,7 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
             session.playhead.pace = if is_every { Pace::EveryFrame } else { Pace::RealTime };
         }
         let mut is_seen = has_curves;
-        is_changed = ui.toggle_value(&mut is_seen, "Curves").on_hover_text("Keys of chosen pins as curves").changed();
+        is_changed = ui.toggle_value(&mut is_seen, "Curves").on_hover_text("Keys of selected pins as curves").changed();
         if session.mirrors {
             let off = ui.selectable_label(true, "Mirror").on_hover_text("Edits are mirrored: click to end that");
             session.mirrors = !off.clicked();
@@ -79,7 +81,7 @@ fn eases(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    list.response.accessible("Ease");
+    list.response.explained("Ease", "How the selected keys go on to the next one");
 }
 
 fn exposure(ui: &mut Ui, session: &mut Session) {
@@ -97,5 +99,7 @@ fn exposure(ui: &mut Ui, session: &mut Session) {
             }
         }
     });
-    list.response.accessible("Exposure");
+    let hint = "For how many frames each drawing of this layer holds. On twos, keys stand on the first of two frames: a drag in \
+                frame 12 keys frame 11";
+    list.response.explained("Exposure", hint);
 }

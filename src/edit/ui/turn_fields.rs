@@ -18,7 +18,12 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], P
     }
     ui.label("Scale");
     let mut scale = key.scale.unwrap_or(1.0);
-    let field = NumberField { name: "Scale", hint: "Scale", range: 0.001..=1000.0, decimals: 3 };
+    let field = NumberField {
+        name: "Scale",
+        hint: "Size of what surrounds the pin, in this frame; 1: as it is",
+        range: 0.001..=1000.0,
+        decimals: 3,
+    };
     let style = free_number(key.scale.is_none(), "");
     if held_or_free(ui, session, (at, Channel::Scale, key.scale.is_none()), |ui| {
         field.drag(ui, &mut scale, |number| style(number.speed(0.005)))
@@ -61,7 +66,8 @@ fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], Pin
 
 /// Shows an angle in degrees. Returns whether it is changed.
 fn angle_field(ui: &mut Ui, angle: &mut f64, (name, prefix): (&str, &str), is_free: bool) -> bool {
-    let field = NumberField { name, hint: name, range: f64::MIN..=f64::MAX, decimals: 3 };
+    let hint = "Turns what surrounds the pin, in this frame, in degrees; its ring in the picture does the same";
+    let field = NumberField { name, hint, range: f64::MIN..=f64::MAX, decimals: 3 };
     let style = free_number(is_free, "\u{b0}");
     field.drag(ui, angle, |number| style(number.speed(0.5)).prefix(prefix))
 }

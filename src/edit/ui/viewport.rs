@@ -4,23 +4,21 @@
 
 use super::brush;
 use super::keys::is_held;
-use super::marks::{Over, RING};
+use super::marks::Over;
 use super::onion;
 use super::pan::{Pan, Scroller};
+use super::pen::{self, REACH};
 use super::picture_parts;
 use super::references;
 use super::theme;
-use crate::edit::{Action, Held, Lens, Picture, PinPart, Ring, Session, Shortcuts, Wipe, Zoom};
+use crate::edit::{Action, Lens, Picture, Session, Shortcuts, Wipe, Zoom};
 use eframe::egui::{
-    self, Align2, Color32, ColorImage, FontId, PointerButton, Pos2, Rect, Role, Sense, Stroke, TextureHandle,
-    TextureOptions, Ui, WidgetInfo, vec2,
+    self, Align2, Color32, ColorImage, FontId, PointerButton, Rect, Role, Sense, Stroke, TextureHandle, TextureOptions,
+    Ui, WidgetInfo, vec2,
 };
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Hit distance of the pointer in points.
-const REACH: f32 = 10.0;
 
 /// What a texture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -103,7 +101,7 @@ pub(super) fn show(
     scroll(ui, (&response, rect), (session, &lens), pan);
     match pan.drag(ui, &response, shortcuts) {
         Some(by) => session.zoom = session.zoom.panned(&lens, DVec2::new(by.x.into(), by.y.into())),
-        None => pen(ui, (&response, rect), (session, &lens), shortcuts),
+        None => pen::follow(ui, &response, (session, &lens), shortcuts),
     }
     let lens = session.zoom.lens(session.shot().size, lens.viewport);
     let painter = ui.painter_at(rect);
@@ -148,56 +146,6 @@ fn scroll(ui: &Ui, (response, rect): (&egui::Response, Rect), (session, lens): (
     }
     if by != vec2(0.0, 0.0) {
         session.zoom = session.zoom.panned(lens, DVec2::new(by.x.into(), by.y.into()));
-    }
-}
-
-fn pen(
-    ui: &Ui,
-    (response, rect): (&egui::Response, Rect),
-    (session, lens): (&mut Session, &Lens),
-    shortcuts: &Shortcuts,
-) {
-    let place =
-        |at: Pos2| lens.screen_from_viewport(DVec2::new((at.x - rect.min.x).into(), (at.y - rect.min.y).into()));
-    let height = lens.frame_height();
-    let reach = f64::from(REACH) / height;
-    let (pressed, released, position, modifiers) = ui.input(|input| {
-        let pointer = &input.pointer;
-        (pointer.primary_pressed(), pointer.primary_released(), pointer.interact_pos(), input.modifiers)
-    });
-    let Some(at) = position.map(place) else {
-        if released {
-            session.release();
-        }
-        return;
-    };
-    if pressed && response.contains_pointer() {
-        response.request_focus();
-        let is_down = |action: Action| is_held(ui.ctx(), shortcuts, action);
-        let part = match (is_down(Action::Region), is_down(Action::Stiffness)) {
-            (true, _) => PinPart::Radius,
-            (false, true) => PinPart::Stiffness,
-            (false, false) => PinPart::Target,
-        };
-        let held = Held { adds: modifiers.shift, whole: modifiers.alt, part };
-        let ring = Ring { radius: f64::from(RING) / height, reach: 7.0 / height };
-        session.press(at, (reach, ring), held);
-    } else if session.is_dragging() {
-        let has_moved = ui.input(|input| input.pointer.delta() != vec2(0.0, 0.0));
-        if has_moved || released {
-            session.motion_with(at, modifiers.shift);
-        }
-    }
-    if released {
-        session.release();
-    }
-    if response.hovered() {
-        let is_near = session.pin_near(at, reach).is_some() || session.handle_near(at, reach).is_some();
-        ui.ctx().set_cursor_icon(match (session.is_dragging(), is_near) {
-            (true, _) => egui::CursorIcon::Grabbing,
-            (false, true) => egui::CursorIcon::Grab,
-            (false, false) => egui::CursorIcon::Crosshair,
-        });
     }
 }
 
@@ -288,21 +236,10 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
 
 /// Draws the picture's status in the corner.
 fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
-    use crate::edit::Quality;
     let painter = ui.painter_at(rect);
-    let here = session.playhead.frame();
-    let rendered = if session.has_silent_layers() { "as rendered, but layers are muted" } else { "as rendered" };
-    let quality = match (session.picture(), session.progress()) {
-        _ if session.is_dragging() => "provisional".to_owned(),
-        (_, Some(part)) => format!("solving over time: {:.0} %", 100.0 * part),
-        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Final => rendered.to_owned(),
-        (Some(picture), _) if picture.frame == here && picture.quality == Quality::Draft => "draft".to_owned(),
-        (Some(_), _) => "provisional".to_owned(),
-        (None, _) => "loading".to_owned(),
-    };
     let percent = 100.0 * lens.scale() * f64::from(ui.ctx().pixels_per_point());
     let zoom = if session.zoom == Zoom::Fit { ", fit" } else { "" };
-    let text = format!("{quality}   {percent:.0} %{zoom}");
+    let text = format!("{}   {percent:.0} %{zoom}", session.corner());
     let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
     let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), galley.size());
     painter.rect_filled(place.expand2(vec2(6.0, 3.0)), 4, Color32::from_black_alpha(130));
@@ -323,7 +260,7 @@ fn menu(response: &egui::Response, session: &mut Session) {
             session.delete_pins();
         }
         ui.separator();
-        if ui.button("Choose all pins of the layer").clicked() {
+        if ui.button("Select all pins of the layer").clicked() {
             session.choose_all();
         }
         if ui.button("Fit the picture").clicked() {

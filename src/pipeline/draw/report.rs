@@ -39,7 +39,10 @@ pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> Frame
         let told = shared_cells::warning((&prepared.shot, layer, anchors), state, &solve, height_px);
         report.warnings.extend(told);
         match note_at(prepared, index, frame) {
-            Some(TimedNote::Spread(spread)) => report.warnings.push(spread_warning(layer, &spread, height_px)),
+            Some(TimedNote::Spread(spread)) => {
+                report.spreads.push(spread.frames);
+                report.warnings.push(spread_warning(layer, &spread, height_px));
+            }
             Some(TimedNote::Alone(why)) => {
                 let text = "cannot be solved over time, so that each frame is solved alone";
                 report.warnings.push(format!("layer '{}' {text}: {why}", layer.name));

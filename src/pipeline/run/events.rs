@@ -69,6 +69,10 @@ pub struct FrameReport {
     pub(crate) layers: Vec<LayerReport>,
     /// Warnings about this frame.
     pub warnings: Vec<String>,
+    /// First and last frames over which sudden jumps are spread, of jumps that are spread over this frame, too; a warning tells of
+    /// each.
+    #[serde(skip)]
+    pub(crate) spreads: Vec<[f64; 2]>,
     /// What the user may want to know about layers in this frame; once per layer is enough.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) notes: Vec<LayerNote>,

@@ -1,0 +1,98 @@
+//! The state of the picture in words, for its corner.
+//!
+//! In: the picture, the solve and the frame that are shown. Out: lines of text.
+
+use super::Session;
+use crate::edit::Quality;
+
+impl Session {
+    /// Returns how the picture was made, and what the frame that is asked for still waits for. A frame in which a jump is spread
+    /// says so first.
+    #[must_use]
+    pub(crate) fn corner(&self) -> String {
+        let here = self.playhead.frame();
+        let Some(picture) = self.picture() else { return "loading".to_owned() };
+        let mut quality = match (self.progress(), picture.quality) {
+            _ if self.is_dragging() => "provisional: solved alone, may change".to_owned(),
+            (Some(part), _) => format!("solving over time: {:.0} %, solved alone until then, may change", 100.0 * part),
+            (None, Quality::Provisional) => "provisional: solved alone, may change".to_owned(),
+            (None, Quality::Draft) => "draft".to_owned(),
+            (None, Quality::Final) if self.has_silent_layers() => "as rendered, but layers are muted".to_owned(),
+            (None, Quality::Final) => "as rendered".to_owned(),
+        };
+        if picture.frame != here {
+            quality = match self.progress() {
+                Some(part) => format!("solving over time: {:.0} %   frame {} shown", 100.0 * part, picture.frame),
+                None => format!("frame {} shown", picture.frame),
+            };
+        }
+        match self.jump().filter(|_| picture.frame == here && !self.is_dragging()) {
+            Some([first, last]) => format!(
+                "The pose jumps near here: spread over frames {first} to {last}.\nA pin where it bends keeps it.\n{quality}"
+            ),
+            None => quality,
+        }
+    }
+
+    /// Returns the frames over which a jump is spread, if this frame is among them.
+    fn jump(&self) -> Option<[f64; 2]> {
+        let solve = self.solve().filter(|solve| solve.is_final && solve.frame == self.playhead.frame())?;
+        solve.report.spreads.first().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::edit::Picture;
+    use crate::edit::worker::{Reply, SolvedFrame};
+    use crate::pipeline::{FrameReport, LayerMarks};
+    use std::sync::Arc;
+
+    fn drawn(session: &mut Session, frame: i32, quality: Quality) {
+        let picture = Picture { frame, revision: session.revision, size: [1, 1], rgba: vec![0; 4], quality };
+        session.take(Reply::Drawn(Arc::new(picture)));
+    }
+
+    fn solved(session: &mut Session, frame: i32, spreads: Vec<[f64; 2]>) {
+        let report = FrameReport { frame, spreads, ..FrameReport::default() };
+        let (revision, marks, is_final) = (session.revision, vec![LayerMarks::default()], !report.spreads.is_empty());
+        session.take(Reply::Solved(Arc::new(SolvedFrame { frame, revision, marks, report, is_final })));
+    }
+
+    #[test]
+    fn the_corner_says_which_frame_is_seen_and_whether_it_may_change() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        session.fault = None;
+        assert_eq!(session.corner(), "loading");
+        solved(&mut session, 1, Vec::new());
+        drawn(&mut session, 1, Quality::Provisional);
+        assert_eq!(session.corner(), "provisional: solved alone, may change");
+        session.take(Reply::Progress(session.revision, 0.4));
+        assert!(session.corner().starts_with("solving over time: 40 %, solved alone"), "{}", session.corner());
+        session.go(12);
+        assert_eq!(session.corner(), "solving over time: 40 %   frame 1 shown");
+        session.take(Reply::Progress(session.revision, 1.0));
+        assert_eq!(session.corner(), "frame 1 shown");
+        solved(&mut session, 12, vec![[11.0, 21.0]]);
+        drawn(&mut session, 12, Quality::Final);
+        let told = session.corner();
+        assert!(
+            told.starts_with("The pose jumps near here: spread over frames 11 to 21.")
+                && told.ends_with("\nas rendered")
+        );
+    }
+
+    #[test]
+    fn pins_of_one_frame_are_not_drawn_over_the_picture_of_another_while_a_third_is_asked_for() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        solved(&mut session, 1, Vec::new());
+        drawn(&mut session, 1, Quality::Draft);
+        session.go(2);
+        assert_eq!(session.marks().len(), 1, "pins and picture are of one frame");
+        solved(&mut session, 2, Vec::new());
+        assert_eq!(session.marks().len(), 1, "they are of the frame that is edited");
+        session.go(3);
+        assert_eq!(session.marks().len(), 0);
+    }
+}
