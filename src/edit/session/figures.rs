@@ -38,7 +38,7 @@ impl Figure {
 
     /// Returns what it means, when it deserves a look, and what to do then.
     #[must_use]
-    pub(crate) const fn meaning(self) -> &'static str {
+    pub(crate) const fn explanation(self) -> &'static str {
         match self {
             Self::PinError => {
                 "How far the worst pin is from where it was put, in pixels. Above 0.05 pins contradict each other, or are soft: move \

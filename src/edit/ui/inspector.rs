@@ -246,7 +246,7 @@ fn report(ui: &mut Ui, session: &mut Session) {
     Grid::new("report").num_columns(3).spacing([10.0, 4.0]).show(ui, |ui| {
         for figure in Figure::ALL {
             let Some(here) = figure.of(&solve.report) else { continue };
-            ui.label(figure.name()).on_hover_text(figure.meaning());
+            ui.label(figure.name()).on_hover_text(figure.explanation());
             let color = if figure.is_bad(here) { heat(3.0) } else { ui.visuals().text_color() };
             ui.label(RichText::new(format!("{here:.3}")).color(color).monospace());
             let button = ui.small_button("worst").on_hover_text(&hint);
