@@ -41,8 +41,11 @@ const EQUAL_PINS: Pins = [
     ("right knee", [63.0, 42.0], [-12.0, -20.0]),
 ];
 
-/// The first two frames, and the notes about layers. `order`: a line for a pin.
-fn frames(pins: Pins, order: (&str, &str)) -> (Vec<Frame>, Vec<String>) {
+/// A weight that ties the frames of a layer.
+const TEMPORAL: f64 = 0.1;
+
+/// The first two frames, and the notes about layers. `order`: a line for a pin. `temporal`: 0 solves each frame alone.
+fn frames(pins: Pins, temporal: f64, order: (&str, &str)) -> (Vec<Frame>, Vec<String>) {
     let wall = Wall::new();
     wall.hang("legs.exr", SIZE, drawn(SIZE, "", body_and_legs));
     let pin = |(name, [x, y], [first, second]): (&str, [f64; 2], [f64; 2])| {
@@ -56,7 +59,7 @@ fn frames(pins: Pins, order: (&str, &str)) -> (Vec<Frame>, Vec<String>) {
     };
     let text = format!(
         "version = 1\nimage = 'legs.exr'\nshutter = {{ angle = 0 }}\n[[layer]]\nname = 'walker'\nlattice = {{ dims = [24, 28] }}\n\
-         solve = {{ temporal = 0 }}\n{}",
+         solve = {{ temporal = {temporal} }}\n{}",
         pins.map(pin).concat()
     );
     let prepared = PreparedShot::new(wall.shot(&text)).expect("the picture is there");
@@ -88,10 +91,10 @@ fn crossing(left: &Frame, right: &Frame) -> Vec<(i32, i32)> {
 
 #[test]
 fn one_leg_is_in_front_all_over_a_crossing_and_in_all_frames() {
-    let ordered = |pin: &str| frames(PINS, (pin, "order = 1"));
+    let ordered = |pin: &str| frames(PINS, 0.0, (pin, "order = 1"));
     // A pin with an order decides for the whole crossing, also where other pins of its leg are nearer.
     let [(left, told_left), (right, told_right)] = ["left knee", "right knee"].map(ordered);
-    let (chosen, told) = frames(PINS, ("", ""));
+    let (chosen, told) = frames(PINS, 0.0, ("", ""));
     for frame in 0..2 {
         let crossing = crossing(&left[frame], &right[frame]);
         assert!(crossing.len() > 80, "frame {}: {} pixels cross", frame + 1, crossing.len());
@@ -116,9 +119,9 @@ fn one_leg_is_in_front_all_over_a_crossing_and_in_all_frames() {
 
 #[test]
 fn what_is_chosen_by_motion_lasts_as_long_as_the_crossing() {
-    let ordered = |pin: &str| frames(EQUAL_PINS, (pin, "order = 1")).0;
+    let ordered = |pin: &str| frames(EQUAL_PINS, TEMPORAL, (pin, "order = 1")).0;
     let [left, right] = ["left knee", "right knee"].map(ordered);
-    let (chosen, _) = frames(EQUAL_PINS, ("", ""));
+    let (chosen, _) = frames(EQUAL_PINS, TEMPORAL, ("", ""));
     let front = [0, 1].map(|frame| {
         let crossing = crossing(&left[frame], &right[frame]);
         assert!(crossing.len() > 40, "frame {}: {} pixels cross", frame + 1, crossing.len());
