@@ -6,7 +6,7 @@
 //! image  x right, y DOWN, pixels, as in files   ImagePoint                f64, pixel (i, j) has its centre at (i+.5, j+.5)
 //! ```
 //!
-//! [`FrameSize`] converts between screen and image, [`uv_from_screen`] and [`screen_from_uv`] between the screen and the UVs of a
+//! [`FrameSize`] converts between screen and image, `uv_from_screen` and `screen_from_uv` between the screen and the UVs of a
 //! picture over the whole frame. Only STMaps and the coordinates of hosts flip y elsewhere (docs/CONVENTIONS.md).
 
 mod window;

@@ -4,6 +4,7 @@
 //! print (`text`; `…` stands for anything), or code for the Python package (`python`). Other fences are faults, so that no command goes
 //! untested.
 #![cfg(unix)]
+#![allow(clippy::duplicate_mod, reason = "modules share what is in support/, each with what it needs of it")]
 
 #[path = "support/python.rs"]
 mod python;

@@ -1,4 +1,5 @@
 //! The program, run as a user runs it: what it says, what it leaves behind, and how it exits.
+#![allow(clippy::duplicate_mod, reason = "modules share what is in support/, each with what it needs of it")]
 
 #[path = "../support/python.rs"]
 mod python;

@@ -127,7 +127,7 @@ fn files_beside_a_scene_are_watched_where_a_broken_edit_is_saved_elsewhere() {
 }
 
 /// A picture with colours that tell where a pixel was.
-fn checkered(width: u32, height: u32) -> Preview {
+fn chequered(width: u32, height: u32) -> Preview {
     let mut picture = Preview::transparent(width, height);
     for (index, pixel) in picture.rgba.chunks_exact_mut(4).enumerate() {
         let [x, y] = [index % width as usize, index / width as usize];
@@ -161,7 +161,7 @@ fn assert_half_shows_the_same(prepared: &PreparedShot) {
         }
     }
     assert!(count > 0.8 * 96.0 * 54.0 && sum / count < 4.0, "{count} pixels differ by {:.2} on average", sum / count);
-    assert!(half != checkered(96, 54).rgba, "it is warped");
+    assert!(half != chequered(96, 54).rgba, "it is warped");
     assert_eq!(half, draft(prepared, [96, 54]), "what is kept of the size is the same");
 }
 
@@ -176,7 +176,7 @@ const BENT: &str = "frames = { first = 1, last = 1 }\n[[layer]]\nname = 'all'\n\
 #[test]
 fn a_draft_of_a_drawing_is_as_small_as_wanted_and_shows_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
-    write_png(&folder.path().join("drawing.png"), &checkered(192, 108)).expect("written");
+    write_png(&folder.path().join("drawing.png"), &chequered(192, 108)).expect("written");
     let shot = Shot::parse(&format!("image = 'drawing.png'\n{BENT}"), &folder.path().join("shot.toml"));
     assert_half_shows_the_same(&PreparedShot::new(shot.expect("a shot")).expect("it loads"));
 }
@@ -186,7 +186,7 @@ fn a_draft_of_a_drawing_is_as_small_as_wanted_and_shows_the_same() {
 fn a_draft_of_a_plate_is_as_small_as_wanted_and_shows_the_file_as_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let plate = folder.path().join("plate.png");
-    write_png(&plate, &checkered(192, 108)).expect("written");
+    write_png(&plate, &chequered(192, 108)).expect("written");
     let text = format!("plate = 'plate.png'\nsize = [192, 108]\n{BENT}");
     let shot = Shot::parse(&text, &folder.path().join("shot.toml")).expect("a shot");
     let prepared = PreparedShot::new(shot).expect("it loads");
@@ -197,9 +197,9 @@ fn a_draft_of_a_plate_is_as_small_as_wanted_and_shows_the_file_as_it_is() {
     assert_eq!(draft(&prepared, [96, 54]), [0, 0, 0, 255].repeat(96 * 54));
 }
 
-/// A plate of the checkered picture whose middle is chosen by a painted mask and by a Cryptomatte, and the left of it by an id.
+/// A plate of the chequered picture whose middle is chosen by a painted mask and by a Cryptomatte, and the left of it by an id.
 fn matted_plate() -> Plate {
-    let (size, picture) = (FrameSize::new(192, 108), checkered(192, 108));
+    let (size, picture) = (FrameSize::new(192, 108), chequered(192, 108));
     let channel = |name: &str, storage: Storage, sample: &dyn Fn(usize) -> f32| Channel {
         name: name.into(),
         storage,
@@ -260,7 +260,7 @@ fn the_start_page_names_all_that_may_be_dropped() {
 #[test]
 fn a_picture_and_plates_are_edited() {
     let folder = tempfile::tempdir().expect("a folder");
-    let picture = checkered(96, 54);
+    let picture = chequered(96, 54);
     let drawing = folder.path().join("drawing.png");
     write_png(&drawing, &picture).expect("written");
     is_edited(&mut opened(&drawing), [0.9, 0.5]);

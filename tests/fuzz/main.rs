@@ -2,6 +2,7 @@
 //!
 //! Cases are the same everywhere. Others, and more of them: `PINWARP_FUZZ_SEED=7 PINWARP_FUZZ_TIMES=20 cargo test --test fuzz`.
 //! A case that fails stays in the folder that is named.
+#![allow(clippy::duplicate_mod, reason = "modules share what is in support/, each with what it needs of it")]
 
 #[path = "../support/assets.rs"]
 mod assets;
