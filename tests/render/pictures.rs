@@ -103,6 +103,34 @@ fn sample(frame: &Frame, channel: &str, x: i32, y: i32) -> f32 {
 const PIN: &str = "[[layer]]\nlattice.dims = [5, 5]\n[[layer.pin]]\nanchor = { screen = [0.6, 0.5] }\nkeys = ";
 
 #[test]
+fn pins_of_a_picture_are_found_by_their_place_if_its_triangles_are_others() {
+    let wall = Wall::new();
+    wall.hang(
+        "square.exr",
+        SIZE,
+        drawn(SIZE, "", |x, y| f32::from(u8::from(x > 10.0 && x < 80.0 && y > 5.0 && y < 60.0))),
+    );
+    let shot = |anchors: &[String]| {
+        let pins: String = anchors.iter().map(|anchor| format!("[[layer.pin]]\nanchor = {anchor}\n")).collect();
+        wall.shot(&format!(
+            "version = 1\nimage = 'square.exr'\n[[layer]]\nname = 'all'\nlattice = {{ dims = [6, 6] }}\n{pins}"
+        ))
+    };
+    let places = [[0.5, 0.5], [1.1, 0.3]];
+    let prepared = |anchors: &[String]| PreparedShot::new(shot(anchors)).expect("the picture is there");
+    let on_screen = prepared(&places.map(|at| format!("{{ screen = {at:?}, frame = 1 }}")));
+    let node = &on_screen.scene.nodes[0].name;
+    let stored = |[x, y]: [f64; 2], triangle: usize| {
+        format!("{{ node = '{node}', triangle = {triangle}, barycentric = [1.0, 0.0, 0.0], rest = [{x}, {y}, 0.0] }}")
+    };
+    let of_another = prepared(&[stored(places[0], 0), stored(places[1], 99_999)]);
+    for (found, at) in of_another.rests_of(0, 1.0).iter().zip(places) {
+        assert!((found.point.0 - glam::DVec2::from(at)).length() < 1e-6, "{:?} instead of {at:?}", found.point);
+    }
+    assert!(of_another.notes.iter().all(|note| !note.contains("exported again")), "{:?}", of_another.notes);
+}
+
+#[test]
 fn where_nothing_moves_every_sample_keeps_its_bits() {
     let wall = Wall::new();
     let window = PixelRect { x: 5, y: 3, width: 70, height: 50 };

@@ -4,13 +4,13 @@
 
 use crate::pipeline::PipelineError;
 use crate::pose::{Pose, PosedPart};
-use crate::scene::Scene;
+use crate::scene::{Primitive, Scene};
 use crate::screen::{Camera, Hit, ScreenMesh, primitive};
-use crate::shot::{Anchor, Shot};
+use crate::shot::{Anchor, Shot, Source};
 use crate::smoothstep::smoothstep;
 use crate::space::ScreenPoint;
 use crate::spelling;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Depth at which a pin starts to fade out, in near-plane distances; it has faded out at the near plane.
 const FADE_STARTS_AT: f64 = 2.0;
@@ -119,13 +119,22 @@ pub(in crate::pipeline) fn find(
         return Err(fault((what, format!("it has {count}, counted from 0"))));
     };
     let source = primitive(scene, &parts[part]);
+    // How the outline of a picture is divided may differ between versions of the program: what was stored is the place.
+    if let (Source::Images(_), Some([x, y, _])) = (&shot.source, *rest)
+        && let stored = DVec2::new(x, y)
+        && point_on(source, *triangle, *barycentric)
+            .is_none_or(|held| held.truncate().distance(stored) > MOVED_FRACTION)
+        && let Some((triangle, barycentric)) = place_on_picture(source, stored)
+    {
+        let corners = source.triangles[triangle];
+        return Ok((PinAnchor::Surface { part, triangle, corners, barycentric }, None));
+    }
     let Some(&corners) = source.triangles.get(*triangle) else {
         let what = format!("node '{node}', primitive {wanted} has no triangle {triangle}");
         let hint = format!("its last is {}; `pinwarp pick` prints a ready anchor", source.triangles.len() - 1);
         return Err(fault((what, hint)));
     };
-    let place = |corner: usize| source.positions[corners[corner] as usize].as_dvec3() * barycentric[corner];
-    let now = place(0) + place(1) + place(2);
+    let now = point_on(source, *triangle, *barycentric).unwrap_or_default();
     let size = source.positions.iter().map(|point| point.as_dvec3().length()).fold(0.0, f64::max);
     let moved = rest.map(DVec3::from_array).filter(|&stored| stored.distance(now) > MOVED_FRACTION * size);
     let note = moved.map(|stored| {
@@ -136,6 +145,30 @@ pub(in crate::pipeline) fn find(
         )
     });
     Ok((PinAnchor::Surface { part, triangle: *triangle, corners, barycentric: *barycentric }, note))
+}
+
+/// Returns a point of a primitive, given by a triangle and barycentric coordinates; `None` if there is no such triangle.
+fn point_on(primitive: &Primitive, triangle: usize, barycentric: [f64; 3]) -> Option<DVec3> {
+    let corners = primitive.triangles.get(triangle)?;
+    let place = |corner: usize| primitive.positions[corners[corner] as usize].as_dvec3() * barycentric[corner];
+    Some(place(0) + place(1) + place(2))
+}
+
+/// Returns the triangle of a picture that holds a point, and its barycentric coordinates there. Beside the picture it is the nearest
+/// triangle, and the point is moved onto it. `None` if the picture has no triangles.
+fn place_on_picture(picture: &Primitive, at: DVec2) -> Option<(usize, [f64; 3])> {
+    let weights = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|corner| picture.positions[corner as usize].as_dvec3().truncate() - at);
+        let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
+        let distance = (a + b + c).length_squared();
+        (weights.map(|weight| weight / weights.iter().sum::<f64>()), distance)
+    };
+    let all = || picture.triangles.iter().map(weights).enumerate();
+    let holding = all().find(|(_, (weights, _))| weights.iter().all(|&weight| weight >= 0.0));
+    let (triangle, (weights, _)) = holding.or_else(|| all().min_by(|a, b| a.1.1.total_cmp(&b.1.1)))?;
+    let inside = weights.map(|weight| if weight.is_finite() { weight.max(0.0) } else { 1.0 });
+    let sum: f64 = inside.iter().sum();
+    Some((triangle, inside.map(|weight| weight / sum)))
 }
 
 /// Creates the error for a key of a pin that does not match the scene, from a description and a hint.
