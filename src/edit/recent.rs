@@ -26,9 +26,6 @@ pub(crate) fn remember_shot(list: &Path, shot: &Path) -> Result<(), EditError> {
     let old = read(list).into_iter().filter(|other| *other != shot);
     let new: Vec<StoredPath> = std::iter::once(shot.clone()).chain(old).take(COUNT).map(StoredPath).collect();
     let text = serde_json::to_string_pretty(&new).unwrap_or_default();
-    if let Some(folder) = list.parent() {
-        std::fs::create_dir_all(folder).map_err(|source| EditError::Io { path: folder.to_owned(), source })?;
-    }
     Ok(replace_text(list, &text)?)
 }
 

@@ -268,9 +268,6 @@ impl Shortcuts {
         let own: BTreeMap<&str, String> = own.map(|(action, chord)| (action.id(), chord.to_string())).collect();
         let text =
             serde_json::to_string_pretty(&own).map_err(|error| unusable(error.to_string(), "press another key"))?;
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| EditError::Io { path: folder.to_owned(), source })?;
-        }
         replace_text(path, &text)?;
         *self = new;
         Ok(())

@@ -68,9 +68,6 @@ impl ViewSettings {
     /// [`EditError`] if it cannot be written.
     pub(crate) fn write(&self, path: &Path) -> Result<(), EditError> {
         let text = serde_json::to_string_pretty(self).unwrap_or_default();
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| EditError::Io { path: folder.to_owned(), source })?;
-        }
         Ok(replace_text(path, &text)?)
     }
 
