@@ -2,7 +2,7 @@
 //!
 //! In: a plate. Out: a [`LabelMap`] of its display window with one label per colour.
 
-use super::label_map::{NO_LABEL, with_neighbours};
+use super::label_map::{NO_LABEL, around};
 use super::{LabelMap, Plate};
 use std::collections::HashMap;
 
@@ -57,9 +57,7 @@ fn is_visible(color: &[u32; 4]) -> bool {
 
 /// Whether all pixels around a pixel have its colour.
 fn is_flat([width, height]: [u32; 2], colors: &[[u32; 4]], pixel: usize) -> bool {
-    let (width, height) = (width as usize, height as usize);
-    let (x, y) = (pixel % width, pixel / width);
-    with_neighbours(y, height).all(|y| with_neighbours(x, width).all(|x| colors[y * width + x] == colors[pixel]))
+    around(width as usize, height as usize, pixel).all(|near| colors[near] == colors[pixel])
 }
 
 #[cfg(test)]

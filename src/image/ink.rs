@@ -4,7 +4,7 @@
 //! (J. Serra, "Image Analysis and Mathematical Morphology", 1982, chapter XII); what is wider, such as black hair, is none. Nor is what has
 //! darker ink beside it, such as a dark sleeve within its outline.
 
-use super::label_map::with_neighbours;
+use super::label_map::around;
 use super::squared_distance::squared_distances;
 use rayon::prelude::*;
 
@@ -33,12 +33,8 @@ impl Ink {
         let is_deep = |cell: usize| depth[cell] > contrast && light[cell] - darkest[cell] <= contrast;
         let is_deep: Vec<bool> = (0..light.len()).into_par_iter().map(is_deep).collect();
         let height = light.len() / width.max(1);
-        let is_ink = |cell: usize| {
-            let (x, y) = (cell % width, cell / width);
-            let mut around =
-                with_neighbours(y, height).flat_map(|y| with_neighbours(x, width).map(move |x| y * width + x));
-            is_deep[cell] || depth[cell] > RIM && around.any(|near| is_deep[near])
-        };
+        let is_ink =
+            |cell: usize| is_deep[cell] || depth[cell] > RIM && around(width, height, cell).any(|near| is_deep[near]);
         let is_ink: Vec<bool> = (0..light.len()).into_par_iter().map(is_ink).collect();
         let widths = widths(&is_ink, width);
         Self { is_ink, widths }
@@ -101,11 +97,10 @@ fn widths(is_there: &[bool], width: usize) -> Vec<f32> {
     let mut widths: Vec<f32> =
         squares.iter().map(|square| if square.is_finite() { 2.0 * square.sqrt() } else { 0.0 }).collect();
     for cell in (0..is_there.len()).filter(|&cell| is_there[cell] && squares[cell].is_finite()) {
-        let (x, y) = (cell % width, cell / width);
-        let mut around = with_neighbours(y, height).flat_map(|y| with_neighbours(x, width).map(move |x| y * width + x));
-        if around.any(|near| squares[near] > squares[cell]) {
+        if around(width, height, cell).any(|near| squares[near] > squares[cell]) {
             continue;
         }
+        let (x, y) = (cell % width, cell / width);
         let (square, radius) = (squares[cell], squares[cell].sqrt());
         let reach = radius as usize;
         for row in y.saturating_sub(reach)..(y + reach + 1).min(height) {

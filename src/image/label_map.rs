@@ -65,6 +65,12 @@ pub(super) fn with_neighbours(at: usize, count: usize) -> Range<usize> {
     at.saturating_sub(1)..(at + 2).min(count)
 }
 
+/// Returns a pixel with the up to eight around it.
+pub(super) fn around(width: usize, height: usize, pixel: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    with_neighbours(y, height).flat_map(move |y| with_neighbours(x, width).map(move |x| y * width + x))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@
 
 use super::LabelMap;
 use super::ink::Ink;
-use super::label_map::{NO_LABEL, with_neighbours};
+use super::label_map::{NO_LABEL, around};
 use std::collections::{BTreeMap, VecDeque};
 
 /// How far a region reaches into a line, widths of the line: to the point of a corner, whose diagonal is longer.
@@ -52,8 +52,9 @@ impl Lines<'_> {
     /// Returns the cells of every region that lie beside ink without a region.
     fn rims(&self, map: &LabelMap) -> BTreeMap<u32, Vec<usize>> {
         let mut rims: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        let [width, height] = map.size.map(|side| side as usize);
         for cell in (0..map.labels.len()).filter(|&cell| map.labels[cell] != NO_LABEL) {
-            if around(map.size, cell).any(|near| self.is_free(map, near)) {
+            if around(width, height, cell).any(|near| self.is_free(map, near)) {
                 rims.entry(map.labels[cell]).or_default().push(cell);
             }
         }
@@ -66,14 +67,14 @@ impl Lines<'_> {
 
     /// Labels ink from the cells `rim` on, as far as `reaches` says: of a cell of the rim, a cell of ink, and the square of their distance.
     fn flood(&self, map: &mut LabelMap, label: u32, rim: Vec<usize>, reaches: impl Fn(usize, usize, f32) -> bool) {
-        let width = map.size[0] as usize;
+        let [width, height] = map.size.map(|side| side as usize);
         let square = |a: usize, b: usize| {
             let [x, y] = [(a % width).abs_diff(b % width), (a / width).abs_diff(b / width)];
             (x * x + y * y) as f32
         };
         let mut open: VecDeque<[usize; 2]> = rim.into_iter().map(|cell| [cell, cell]).collect();
         while let Some([cell, from]) = open.pop_front() {
-            for near in around(map.size, cell) {
+            for near in around(width, height, cell) {
                 if self.is_free(map, near) && reaches(from, near, square(from, near)) {
                     map.labels[near] = label;
                     open.push_back([near, from]);
@@ -81,11 +82,4 @@ impl Lines<'_> {
             }
         }
     }
-}
-
-/// Returns a cell with the eight around it.
-fn around([width, height]: [u32; 2], cell: usize) -> impl Iterator<Item = usize> {
-    let (width, height) = (width as usize, height as usize);
-    let (x, y) = (cell % width, cell / width);
-    with_neighbours(y, height).flat_map(move |y| with_neighbours(x, width).map(move |x| y * width + x))
 }
