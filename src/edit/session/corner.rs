@@ -5,6 +5,9 @@
 use super::Session;
 use crate::edit::Quality;
 
+/// The words for a frame that is solved without the others.
+const PROVISIONAL: &str = "provisional: solved alone, may change";
+
 impl Session {
     /// Returns how the picture was made, and what the frame that is asked for still waits for. A frame in which a jump is spread
     /// says so first.
@@ -12,21 +15,25 @@ impl Session {
     pub(crate) fn corner(&self) -> String {
         let here = self.playhead.frame();
         let Some(picture) = self.picture() else { return "loading".to_owned() };
-        let mut quality = match (self.progress(), picture.quality) {
-            _ if self.is_dragging() => "provisional: solved alone, may change".to_owned(),
-            (Some(part), _) => format!("solving over time: {:.0} %, solved alone until then, may change", 100.0 * part),
-            (None, Quality::Provisional) => "provisional: solved alone, may change".to_owned(),
+        let solving = self.progress().map(|part| format!("solving over time: {:.0} %", 100.0 * part));
+        if picture.frame != here {
+            let shown = format!("frame {} shown", picture.frame);
+            return match solving {
+                Some(solving) => format!("{solving}   {shown}"),
+                None => shown,
+            };
+        }
+        if self.is_dragging() {
+            return PROVISIONAL.to_owned();
+        }
+        let quality = match (solving, picture.quality) {
+            (Some(solving), _) => format!("{solving}, solved alone until then, may change"),
+            (None, Quality::Provisional) => PROVISIONAL.to_owned(),
             (None, Quality::Draft) => "draft".to_owned(),
             (None, Quality::Final) if self.has_silent_layers() => "as rendered, but layers are muted".to_owned(),
             (None, Quality::Final) => "as rendered".to_owned(),
         };
-        if picture.frame != here {
-            quality = match self.progress() {
-                Some(part) => format!("solving over time: {:.0} %   frame {} shown", 100.0 * part, picture.frame),
-                None => format!("frame {} shown", picture.frame),
-            };
-        }
-        match self.jump().filter(|_| picture.frame == here && !self.is_dragging()) {
+        match self.jump() {
             Some([first, last]) => format!(
                 "The pose jumps near here: spread over frames {first} to {last}.\nA pin where it bends keeps it.\n{quality}"
             ),
