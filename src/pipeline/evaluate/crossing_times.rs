@@ -18,6 +18,8 @@ pub(super) struct CrossingTimes<'a> {
     pub(super) layer: usize,
     pub(super) now: &'a TimeSample,
     pub(super) branches: &'a BranchedLattice<2>,
+    /// Digest of the pieces of `branches`.
+    pub(super) pieces: u64,
 }
 
 /// A crossing at one time: its frame, and its index there.
@@ -41,8 +43,7 @@ impl CrossingTimes<'_> {
             }
         }
         let Some((_, occurrence, is_swapped)) = largest else { return crossing.clone() };
-        let whole = self.joined(occurrence);
-        if is_swapped { whole.swapped() } else { whole }
+        self.joined(occurrence).oriented(is_swapped)
     }
 
     /// Returns a crossing of a frame joined with the same ones of all frames, with the sides of that frame.
@@ -59,12 +60,10 @@ impl CrossingTimes<'_> {
         let parts = frames.iter().map(|(crossings, index, is_swapped)| (&crossings.list[*index], *is_swapped));
         let whole = self.branches.joined_crossing(&parts.collect::<Vec<_>>());
         for (crossings, index, is_swapped) in &frames {
-            let own = if *is_swapped { whole.clone().swapped() } else { whole.clone() };
             // Another thread may have found the same.
-            let _ = crossings.over_time[*index].set(own);
+            let _ = crossings.over_time[*index].set(whole.clone().oriented(*is_swapped));
         }
-        let is_swapped = found.get(&occurrence).is_some_and(|is_swapped| *is_swapped);
-        if is_swapped { whole.swapped() } else { whole }
+        whole.oriented(found[&occurrence])
     }
 
     /// Returns the crossings of all frames that are the same as that of `first`, ascending, each with whether its sides are the other way
@@ -100,7 +99,7 @@ impl CrossingTimes<'_> {
             cache().insert((self.layer, frame), Arc::clone(&found));
             found
         });
-        if crossings.pieces == self.branches.digest_of_pieces() { crossings } else { Arc::default() }
+        if crossings.pieces == self.pieces { crossings } else { Arc::default() }
     }
 
     fn found(&self, frame: i32) -> Option<FrameCrossings> {

@@ -41,7 +41,7 @@ impl PartLevels {
         if crossings.is_empty() {
             return Self::default();
         }
-        let times = CrossingTimes { prepared, layer, now, branches };
+        let times = CrossingTimes { prepared, layer, now, branches, pieces: branches.digest_of_pieces() };
         let pins = pin_places(prepared, layer, (now, branches));
         let places: Vec<_> = pins.iter().map(|pin| (pin.at, pin.triangle)).collect();
         let lengths = branches.lengths_along_shape(&places);
@@ -54,8 +54,9 @@ impl PartLevels {
         let open = fronts.iter().filter(|(crossing, _)| crossing.ordered.is_none());
         let greatest = open.max_by_key(|(crossing, _)| crossing.area());
         let named = |&(crossing, front): &(&Crossing, usize)| {
+            let means = mean_lengths(crossing, &lengths);
             let nearest = |side: usize| {
-                let share = |k: &usize| nearness(crossing, side, &lengths[*k]);
+                let share = |k: &usize| nearness(side, means[*k]);
                 (0..pins.len()).min_by(|a, b| share(a).total_cmp(&share(b))).map(|nearest| pins[nearest].pin)
             };
             Some([nearest(front)?, nearest(1 - front)?])
@@ -67,13 +68,11 @@ impl PartLevels {
 /// Returns the side of a crossing that lies in front: that whose own pins are pulled further, or of equal ones that of the smaller
 /// branches, or on one branch that which moves further. `lengths`: distance of each pin from each piece, along the shape.
 fn front(crossing: &Crossing, (lengths, reaches): (&[Vec<f64>], &[f64])) -> usize {
-    let length = |side: usize, lengths: &[f64]| crossing.mean(side, |piece| lengths[piece]);
+    let means = mean_lengths(crossing, lengths);
     let own = |side: usize| {
-        let nearest = lengths.iter().map(|lengths| length(side, lengths)).fold(f64::INFINITY, f64::min);
-        let is_own = |lengths: &[f64]| {
-            nearness(crossing, side, lengths) < OF_LIMB && length(side, lengths) <= BESIDE_NEAREST * nearest
-        };
-        let own = lengths.iter().zip(reaches).filter(|(lengths, _)| is_own(lengths));
+        let nearest = means.iter().map(|lengths| lengths[side]).fold(f64::INFINITY, f64::min);
+        let is_own = |lengths: [f64; 2]| nearness(side, lengths) < OF_LIMB && lengths[side] <= BESIDE_NEAREST * nearest;
+        let own = means.iter().zip(reaches).filter(|(lengths, _)| is_own(**lengths));
         own.map(|(_, reach)| *reach).fold(0.0, f64::max)
     };
     match [own(0), own(1)] {
@@ -82,9 +81,15 @@ fn front(crossing: &Crossing, (lengths, reaches): (&[Vec<f64>], &[f64])) -> usiz
     }
 }
 
+/// Returns the mean distance of each pin from either side of a crossing.
+fn mean_lengths(crossing: &Crossing, lengths: &[Vec<f64>]) -> Vec<[f64; 2]> {
+    lengths.iter().map(|lengths| [0, 1].map(|side| crossing.mean(side, |piece| lengths[piece]))).collect()
+}
+
 /// Returns the distance of a pin from a side of a crossing, as a fraction of that from the other side; 1 if it is connected with neither.
-fn nearness(crossing: &Crossing, side: usize, lengths: &[f64]) -> f64 {
-    let [near, far] = [side, 1 - side].map(|side| crossing.mean(side, |piece| lengths[piece]));
+/// `lengths`: distance from either side.
+fn nearness(side: usize, lengths: [f64; 2]) -> f64 {
+    let [near, far] = [lengths[side], lengths[1 - side]];
     match (near.is_finite(), far.is_finite()) {
         (true, true) if far > 0.0 => near / far,
         (true, false) => 0.0,

@@ -63,9 +63,12 @@ impl Crossing {
         (excess != 0).then_some(usize::from(excess < 0))
     }
 
-    /// The same crossing with its sides exchanged.
+    /// The same crossing, with its sides exchanged if `is_swapped`.
     #[must_use]
-    pub(crate) fn swapped(self) -> Self {
+    pub(crate) fn oriented(self, is_swapped: bool) -> Self {
+        if !is_swapped {
+            return self;
+        }
         let Self { pairs, moved: [a, b], ordered, smaller } = self;
         let pairs = pairs.into_iter().map(|([a, b], count)| ([b, a], count)).collect();
         let [ordered, smaller] = [ordered, smaller].map(|side| side.map(|side| 1 - side));
@@ -128,7 +131,7 @@ impl BranchedLattice<2> {
         let mut pairs: BTreeMap<[usize; 2], u64> = BTreeMap::new();
         let (mut moved, mut area) = ([0.0; 2], 0);
         for &(crossing, is_swapped) in parts {
-            let crossing = if is_swapped { crossing.clone().swapped() } else { crossing.clone() };
+            let crossing = crossing.clone().oriented(is_swapped);
             crossing.pairs.iter().for_each(|(pair, count)| *pairs.entry(*pair).or_insert(0) += count);
             (0..2).for_each(|side| moved[side] += crossing.area() as f64 * crossing.moved[side]);
             area += crossing.area();
