@@ -276,6 +276,11 @@ impl<const D: usize> System<D> {
         self.apply_yielding(cancel)
     }
 
+    /// Whether the energy implements its second derivative, so that [`Self::is_convex`] tests it.
+    pub(crate) fn has_second_derivative(&self) -> bool {
+        self.distortion.flops().is_some()
+    }
+
     /// Whether the second derivative of the energy with a proximal term of the given weights is positive definite at `handles`.
     /// False where pins give way to the barrier. If the energy does not implement its second derivative, true where the barrier
     /// does not act.
@@ -284,7 +289,7 @@ impl<const D: usize> System<D> {
         if barrier.is_some() && self.gives_way(handles) {
             return false;
         }
-        if self.distortion.flops().is_none() || self.terms.proximal.len() == 0 {
+        if !self.has_second_derivative() || self.terms.proximal.len() == 0 {
             return barrier.is_none();
         }
         let mut normal = self.softened(&self.constant, &self.terms, cancel);

@@ -5,6 +5,7 @@
 //! size is read.
 
 use super::displacement::Displacement;
+use super::interior::Interior;
 use super::solved_knots::SolvedKnots;
 use super::{Coupling, Spread, Trajectory};
 use crate::solve::branching::CopyName;
@@ -45,7 +46,7 @@ impl<const D: usize> Trajectory<D> {
         }
         out.count(weights.len());
         weights.iter().for_each(|weights| out.weights(weights));
-        out.floats(&self.interior_factors);
+        self.interiors.iter().for_each(|interior| out.word(u64::from(*interior == Interior::Interpolated)));
         out.count(self.spreads.len());
         self.spreads.iter().for_each(|spread| out.floats(&[spread.frames[0], spread.frames[1], spread.speed]));
         out.0
@@ -74,12 +75,12 @@ impl<const D: usize> Trajectory<D> {
         }
         let intervals = rest.count(3)?;
         let weights = (0..intervals).map(|_| rest.weights()).collect::<Option<Vec<_>>>()?;
-        let interior_factors = rest.floats(intervals)?;
+        let interiors = (0..intervals).map(|_| rest.interior()).collect::<Option<Vec<_>>>()?;
         let spreads: Option<Vec<_>> = (0..rest.count(3)?).map(|_| rest.spread()).collect();
         let is_whole =
             rest.0.is_empty() && weights.len() == states.len().saturating_sub(1) && have_points(&weights, &states);
         let knots = SolvedKnots { coupling, states, model_angles, drawings, takes, weights };
-        is_whole.then_some(Self { knots, interior_factors, weight, spreads: spreads? })
+        is_whole.then_some(Self { knots, interiors, weight, spreads: spreads? })
     }
 }
 
@@ -188,6 +189,14 @@ impl Reader<'_> {
         Some(CopyName { handle: handle.ok()?, triangle: triangle.ok()? })
     }
 
+    fn interior(&mut self) -> Option<Interior> {
+        match self.word()? {
+            0 => Some(Interior::Coupled),
+            1 => Some(Interior::Interpolated),
+            _ => None,
+        }
+    }
+
     fn spread(&mut self) -> Option<Spread> {
         let [first, last, speed] = self.array()?;
         Some(Spread { frames: [first, last], speed })
@@ -217,7 +226,7 @@ mod tests {
         };
         Trajectory {
             knots,
-            interior_factors: vec![1.0, 1.0, 256.0],
+            interiors: vec![Interior::Coupled, Interior::Coupled, Interior::Interpolated],
             weight: 0.6,
             spreads: vec![Spread { frames: [2.5, 3.0], speed: 0.01 }],
         }

@@ -13,8 +13,8 @@
 //! allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed limit (J. Nocedal and S. Wright,
 //! "Numerical Optimization", 2006, section 17.4).
 
-use super::continuity::Interior;
 use super::displacement::Displacement;
+use super::interior::Interior;
 use super::knot::{Descent, Knot, have_branches};
 use super::speed_limits::speed_limits;
 use super::timeline::Coupling;
@@ -51,12 +51,8 @@ const COARSE_TOLERANCE: f64 = 3e-4;
 /// Smallest ratio of a weight to those of the neighbouring intervals.
 const TAPER: f64 = 0.5;
 
-/// Motion of lattices with more handles is not searched for jumps: one solve takes a large part of a second, and an interval may
-/// need thirty.
-const MAX_SEARCHED_HANDLES: usize = 1500;
-
-/// Multiple of an interval's weight with which the energy has to be convex at three states of the interval for it not to be
-/// searched for jumps. The proximal term inside an interval has at least eight times the weight of the interval.
+/// Multiple of an interval's weight with which the energy has to be convex at three states of the interval for the motion inside to
+/// count as continuous. The proximal term inside an interval has at least eight times the weight of the interval.
 const CONVEX_FACTOR: f64 = 2.0;
 
 /// The motion is steady where its speed changes by less than this from knot to knot, in units of the least speed.
@@ -338,8 +334,6 @@ impl<'a, const D: usize> Chain<'a, D> {
 
     /// How times within the first `count` intervals are solved.
     fn interiors(&self, count: usize) -> Vec<Interior> {
-        let handles = self.knots.iter().flatten().map(|knot| knot.displacement.handles.len());
-        let is_searched = handles.max().is_none_or(|count| count <= MAX_SEARCHED_HANDLES);
         let (knots, weights, hold_of) = (&self.knots, &self.weights, &self.hold_of);
         let convex = |weight: f64| CONVEX_FACTOR * weight;
         // Both adjacent intervals use what is known of a knot.
@@ -363,12 +357,10 @@ impl<'a, const D: usize> Chain<'a, D> {
             let is_convex = is_convex_at[index]
                 && is_convex_at[index + 1]
                 && knot.is_convex_halfway(next, &weights[index].map(convex));
-            match (is_convex, is_steady(knots, index, least_speed)) {
-                (true, true) => Interior::Coupled,
-                _ if !is_searched || have_branches([knot, next]) => Interior::Interpolated,
-                (false, _) => Interior::LIKELY_JUMP,
-                (true, false) => Interior::UNLIKELY_JUMP,
-            }
+            // Branches may split between the knots.
+            let is_tested = knot.system.has_second_derivative() && !have_branches([knot, next]);
+            let is_continuous = is_convex && (is_tested || is_steady(knots, index, least_speed));
+            if is_continuous { Interior::Coupled } else { Interior::Interpolated }
         };
         (0..count).into_par_iter().map(interior).collect()
     }

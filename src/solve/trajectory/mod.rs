@@ -6,8 +6,8 @@
 
 mod bits;
 mod chain;
-mod continuity;
 mod displacement;
+mod interior;
 mod knot;
 mod solved_knots;
 mod speed_limits;
@@ -26,8 +26,8 @@ use super::settings::Settings;
 use super::targets::Targets;
 use super::upright::Upright;
 use chain::{Chain, SettledInterval};
-use continuity::INTERPOLATING;
 use displacement::Displacement;
+use interior::Interior;
 use knot::{Knot, Proximal};
 use rayon::prelude::*;
 use solved_knots::SolvedKnots;
@@ -43,8 +43,8 @@ const MIN_WINDOW: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Trajectory<const D: usize> {
     knots: SolvedKnots<D>,
-    /// Weight of the proximal term within each interval as a multiple of ω: more than 1 where the motion would jump.
-    interior_factors: Vec<f64>,
+    /// How times within each interval are solved.
+    interiors: Vec<Interior>,
     /// ω of intervals whose weight was not raised.
     weight: f64,
     /// Runs of intervals over which a fast motion is spread.
@@ -72,16 +72,13 @@ impl<const D: usize> Trajectory<D> {
     {
         let count = if coupling.weight > 0.0 { coupling.knot_count() } else { 0 };
         let parts = AtomicUsize::new(0);
-        // Every knot is built and solved, every interval searched.
-        let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), (3 * count).saturating_sub(1));
-        let knot_at = |time: f64| -> Result<Option<Knot<D>>, T::Error> {
-            let Some(problem) = timeline.at(time)? else { return Ok(None) };
-            Ok(Some(Knot::new(problem, timeline.settings(), &Cancel::never())?))
-        };
-        let build = |index: usize| {
-            let knot = knot_at(coupling.knot_time(index));
+        // Every knot is built and solved.
+        let part_done = || timeline.progress(1 + parts.fetch_add(1, Ordering::Relaxed), 2 * count);
+        let build = |index: usize| -> Result<Option<Knot<D>>, T::Error> {
+            let problem = timeline.at(coupling.knot_time(index))?;
+            let knot = problem.map(|problem| Knot::new(problem, timeline.settings(), &Cancel::never())).transpose();
             part_done();
-            knot
+            Ok(knot?)
         };
         let build = |range: std::ops::Range<usize>| -> Result<Vec<_>, T::Error> {
             if timeline.is_light() { range.into_par_iter().map(build).collect() } else { range.map(build).collect() }
@@ -108,25 +105,8 @@ impl<const D: usize> Trajectory<D> {
         let takes = done.iter().map(|knot| knot.take).collect();
         let (drawings, states) = done.into_iter().map(|knot| (knot.drawing, knot.state)).unzip();
         let knots = SolvedKnots { coupling, states, model_angles, drawings, takes, weights };
-        let search = |&(index, interval): &(usize, &SettledInterval)| {
-            // A problem that cannot be built between two knots is reported when its own frame is solved.
-            let knot_between = |time: f64| {
-                let mut knot = knot_at(time).ok().flatten()?;
-                knots.orient(&mut knot, time);
-                Some(knot)
-            };
-            let factor = interval.interior.factor(&knots, index, &knot_between);
-            part_done();
-            factor
-        };
-        let mut interior_factors = Vec::with_capacity(intervals.len());
-        let numbered: Vec<_> = intervals.iter().enumerate().collect();
-        // Cancellation is polled by this thread alone.
-        for some in numbered.chunks(4 * rayon::current_num_threads()) {
-            cancel.check().map_err(SolveError::from)?;
-            interior_factors.extend(some.par_iter().map(search).collect::<Vec<f64>>());
-        }
-        Ok(Self { spreads: find_spreads(&knots, &intervals), knots, interior_factors, weight })
+        let interiors = intervals.iter().map(|interval| interval.interior).collect();
+        Ok(Self { spreads: find_spreads(&knots, &intervals), knots, interiors, weight })
     }
 
     /// Number of knots with a state.
@@ -207,12 +187,12 @@ impl<const D: usize> Trajectory<D> {
         };
         match pair {
             // What stands still does so to the bit.
-            (Some(from), Some(to)) if self.interior_factors[before as usize] == INTERPOLATING && from == to => {
+            (Some(from), Some(to)) if self.interiors[before as usize] == Interior::Interpolated && from == to => {
                 Neighbourhood::Knot(from)
             }
             (Some(_), Some(_)) => {
                 let interval = before as usize;
-                let proximal = self.knots.proximal(interval, place - before, self.interior_factors[interval]);
+                let proximal = self.knots.proximal(interval, place - before, self.interiors[interval]);
                 proximal.map_or(Neighbourhood::Alone, Neighbourhood::Proximal)
             }
             (Some(only), None) => single(only, place - before, (before as usize).checked_sub(1)),

@@ -3,6 +3,7 @@
 //! In: states of knots, weights of intervals. Out: what a time between two knots is drawn to, and how strongly.
 
 use super::displacement::Displacement;
+use super::interior::Interior;
 use super::knot::{Knot, Proximal};
 use super::timeline::Coupling;
 use crate::solve::linalg::small_matrix::minus;
@@ -31,11 +32,6 @@ impl<const D: usize> SolvedKnots<D> {
         (time - self.coupling.first) * f64::from(self.coupling.knots_per_frame)
     }
 
-    /// The time at the fraction `s` of an interval, in frames.
-    pub(super) fn time(&self, interval: usize, s: f64) -> f64 {
-        self.coupling.knot_time(interval) + s / f64::from(self.coupling.knots_per_frame)
-    }
-
     /// Sets the angle of the box relative to the frame of the model, for a time that is not a knot. The model rotates evenly from knot
     /// to knot; the box may not.
     pub(super) fn orient(&self, knot: &mut Knot<D>, time: f64) {
@@ -48,16 +44,17 @@ impl<const D: usize> SolvedKnots<D> {
         knot.set_box_angle(wrapped(knot.angle - (from + s * (to - from))));
     }
 
-    /// The proximal term at the fraction `s` of an interval, for an interior weight ω' that is `factor` times ω. With ω' = ω the state minimises
+    /// The proximal term at the fraction `s` of an interval. With ω' = ω the state minimises
     /// ½ E(x) + ω (‖d − d_k‖²/s + ‖d − d_{k+1}‖²/(1 − s)), which is, twice and up to a constant, E(x) + 2 ω/(s (1 − s)) ‖d − (1 −
     /// s) d_k − s d_{k+1}‖². Half of the energy of a time counts for each side, as in the trapezoidal rule, so that the motion has
     /// no kinks at knots. With a larger ω' the velocities at the knots stay the same, because the straight line between the knots
     /// becomes a cubic: docs/METHOD.md, "Time". Returns `None` if a knot has no state.
-    pub(super) fn proximal(&self, interval: usize, s: f64, factor: f64) -> Option<Proximal<D>> {
+    pub(super) fn proximal(&self, interval: usize, s: f64, interior: Interior) -> Option<Proximal<D>> {
         let [Some(from), Some(to)] = &self.states[interval..=interval + 1] else { return None };
         let mut displacement = from.interpolated(to, s);
         // The model stands still between two knots of a hold, whatever comes before and after.
         let is_held = from.points == to.points;
+        let factor = interior.factor();
         let cubic = if is_held { 0.0 } else { 1.0 - 1.0 / factor };
         if cubic > 0.0 {
             let [before, after] = [interval.checked_sub(1), Some(interval + 1)].map(|index| self.tie(index));
