@@ -73,8 +73,14 @@ pub(crate) use trajectories::solve_ahead::solve_before_frames;
 pub(crate) use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
 pub(crate) use trajectories::trajectory_files::Keeping;
 pub(crate) use viewer::brush_point::{BrushPoint, PaintedPlace};
+#[cfg(feature = "editor")]
+pub(crate) use viewer::held_points::PinTurn;
 pub(crate) use viewer::layer_marks::{LayerMarks, PinMark};
 pub(crate) use viewer::layer_marks::{layer_marks, resting_marks};
+#[cfg(feature = "editor")]
+pub(crate) use viewer::layer_offers::LayerOffer;
+#[cfg(feature = "editor")]
+pub(crate) use viewer::layer_shift::LayerShift;
 pub(crate) use viewer::new_shot::{NewShot, new_shot, path_between};
 pub(crate) use viewer::open_shot::{OpenShot, Rework};
 pub(crate) use viewer::picked_point::PickedPoint;

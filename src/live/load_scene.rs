@@ -132,6 +132,7 @@ fn layer(bounds: BoxRule) -> Layer {
         settings: Settings::default(),
         step: 1,
         strength: 1.0,
+        is_muted: false,
         stiffness: Vec::new(),
         strokes: Vec::new(),
         orientation: BoxOrientation::default(),

@@ -69,7 +69,7 @@ impl Layer {
 
     /// Whether muted pins are all that could move the layer.
     #[must_use]
-    pub(crate) fn is_muted(&self) -> bool {
+    pub(crate) fn has_muted_pins_only(&self) -> bool {
         self.is_moved()
             && self.handles.is_empty()
             && self.transfer.is_none()

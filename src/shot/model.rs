@@ -200,8 +200,10 @@ pub struct Layer {
     pub settings: Settings,
     /// Number of frames for which offsets are held, counted from the first frame of the shot; 1: not held.
     pub step: u32,
-    /// Factor of offsets, rotations and log-scales (the shot's strength times the layer's).
+    /// Factor of offsets, rotations and log-scales: the shot's strength times the layer's; 0 if the layer is muted.
     pub strength: f64,
+    /// Whether the layer is muted: it is at rest.
+    pub is_muted: bool,
     /// Parts that are stiffer or softer than the rest.
     pub(crate) stiffness: Vec<StiffnessRule>,
     /// Brush strokes of stiffness, which multiply what the rules say, in the order of the file.

@@ -28,6 +28,7 @@ mod pan;
 mod panels;
 mod parts;
 mod pins;
+mod poses;
 mod quick_hands;
 mod seen;
 mod session_memory;

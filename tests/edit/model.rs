@@ -127,7 +127,7 @@ fn empty_space_chooses_by_a_box_and_escape_gives_a_drag_up() {
 }
 
 #[test]
-fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
+fn keys_are_eased_copied_and_pasted_and_layers_are_muted() {
     let (_stage, mut session) = Stage::open();
     place_pin(&mut session, at(0.3, 0.5));
     session.go(3);
@@ -155,6 +155,8 @@ fn keys_are_eased_copied_and_pasted_and_layers_rest_for_now() {
     session.toggle_mute("left");
     assert!(session.settle(TIMEOUT));
     assert_eq!((&session.picture().expect("drawn").rgba, session.document().text()), (&moved, text.as_str()));
+    let labels: Vec<&str> = session.document().history().labels().collect();
+    assert_eq!(labels[labels.len() - 2..], ["Mute layer", "Unmute layer"]);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::edit::regrid::regridded;
 use crate::edit::track_keys::axes_of;
 use crate::plate::Matte;
 use crate::shot::edit::{
-    Setting, add_layer, layer_number, move_layer, put_box, put_handle, put_layer_setting, remove_layer, rename_layer,
+    Setting, layer_number, move_layer, put_box, put_handle, put_layer_setting, remove_layer, rename_layer,
 };
 use crate::shot::{Layer, LayerSpace, Unmatted};
 use crate::spelling::pluralised;
@@ -59,26 +59,11 @@ impl Session {
         let Some(layer) = self.document.shot().layers.get(index) else { return };
         let old = layer.name.clone();
         let text = rename_layer(self.document.text(), &old, name);
-        let (is_muted, is_solo) = (self.is_muted(&old), self.is_solo(&old));
-        if self.change("Rename layer", text, None) && (is_muted || is_solo) {
-            self.muted.extend(is_muted.then(|| name.to_owned()));
-            self.solo = if is_solo { Some(name.to_owned()) } else { self.solo.take() };
+        let is_solo = self.is_solo(&old);
+        if self.change("Rename layer", text, None) && is_solo {
+            self.solo = Some(name.to_owned());
             self.frames_changed();
             self.refresh(Purpose::Look);
-        }
-    }
-
-    /// Appends a layer that moves these nodes, and selects it.
-    pub(crate) fn add_layer(&mut self, nodes: &[String]) {
-        let layers = &self.document.shot().layers;
-        let is_free = |name: &String| layers.iter().all(|layer| layer.name != *name);
-        let base = nodes.first().map_or("layer", String::as_str);
-        let names = std::iter::once(base.to_owned()).chain((2..).map(|number| format!("{base} {number}")));
-        let Some(name) = { names }.find(is_free) else { return };
-        let text = add_layer(self.document.text(), &name, nodes);
-        if self.change("Add layer", text, None) {
-            self.selection.clear();
-            self.selection.layer = self.document.shot().layers.len().saturating_sub(1);
         }
     }
 
@@ -183,23 +168,16 @@ impl Session {
         self.change("Change matte", text, Some(&series));
     }
 
-    /// Returns whether a layer is muted.
+    /// Returns the soloed layer: the picture then lacks what renders have.
     #[must_use]
-    pub(crate) fn is_muted(&self, name: &str) -> bool {
-        self.muted.contains(name)
+    pub(crate) fn solo(&self) -> Option<&str> {
+        self.solo.as_deref()
     }
 
-    /// Returns whether layers are muted in the editor, or not the soloed one: the picture then lacks what renders have.
-    #[must_use]
-    pub(crate) fn has_silent_layers(&self) -> bool {
-        self.solo.is_some() || !self.muted.is_empty()
-    }
-
-    /// Forgets muted and soloed layers that do not exist.
+    /// Forgets a soloed layer that does not exist.
     pub(super) fn forget_missing_layers(&mut self) {
         let layers = &self.document.shot().layers;
         let is_there = |name: &String| layers.iter().any(|layer| layer.name == *name);
-        self.muted.retain(is_there);
         self.solo = self.solo.take().filter(is_there);
     }
 
@@ -209,13 +187,15 @@ impl Session {
         self.solo.as_deref() == Some(name)
     }
 
-    /// Mutes or unmutes a layer in the editor; the file is not changed.
+    /// Mutes or unmutes a layer, also in the file and in renders.
     pub(crate) fn toggle_mute(&mut self, name: &str) {
-        if !self.muted.remove(name) {
-            self.muted.insert(name.to_owned());
-        }
-        self.frames_changed();
-        self.refresh(Purpose::Look);
+        let Some(layer) = self.document.shot().layers.iter().find(|layer| layer.name == name) else { return };
+        let (setting, label) = match layer.is_muted {
+            true => (Setting::Default, "Unmute layer"),
+            false => (Setting::Flag(true), "Mute layer"),
+        };
+        let text = put_layer_setting(self.document.text(), name, &["mute"], &setting);
+        self.change(label, text, None);
     }
 
     /// Soloes or unsoloes a layer in the editor; the file is not changed.
@@ -278,9 +258,9 @@ mod tests {
         session.toggle_solo("arm");
         session.toggle_mute("arm");
         session.rename_layer(0, "hand");
-        assert!(session.is_solo("hand") && session.is_muted("hand") && !session.is_muted("arm"));
+        assert!(session.is_solo("hand") && session.shot().layers[0].is_muted && !session.shot().layers[1].is_muted);
         session.delete_layer();
         assert_eq!(session.shot().layers.len(), 1);
-        assert!(!session.has_silent_layers());
+        assert_eq!(session.solo(), None);
     }
 }

@@ -4,6 +4,10 @@
 
 use super::Session;
 use crate::edit::Quality;
+use crate::pipeline::LayerShift;
+
+/// Movement that is told, pixels.
+const SHIFTED: f64 = 5.0;
 
 /// The words for a frame that is solved without the others.
 const PROVISIONAL: &str = "provisional: solved alone, may change";
@@ -14,6 +18,9 @@ impl Session {
     #[must_use]
     pub(crate) fn corner(&self) -> String {
         let here = self.playhead.frame();
+        if self.fault().is_some() {
+            return "cannot be drawn".to_owned();
+        }
         let Some(picture) = self.picture() else { return "loading".to_owned() };
         let solving = self.progress().map(|part| format!("solving over time: {:.0} %", 100.0 * part));
         if picture.frame != here {
@@ -30,15 +37,24 @@ impl Session {
             (Some(solving), _) => format!("{solving}, solved alone until then, may change"),
             (None, Quality::Provisional) => PROVISIONAL.to_owned(),
             (None, Quality::Draft) => "draft".to_owned(),
-            (None, Quality::Final) if self.has_silent_layers() => "as rendered, but layers are muted".to_owned(),
-            (None, Quality::Final) => "as rendered".to_owned(),
+            (None, Quality::Final) => match self.solo() {
+                Some(solo) => format!("as rendered, but for the solo of '{solo}'"),
+                None => "as rendered".to_owned(),
+            },
         };
-        match self.jump() {
-            Some([first, last]) => format!(
-                "The pose jumps near here: spread over frames {first} to {last}.\nA pin where it bends keeps it.\n{quality}"
-            ),
-            None => quality,
-        }
+        let jump = self.jump().map(|[first, last]| {
+            format!("The pose jumps near here: spread over frames {first} to {last}.\nA pin where it bends keeps it.\n")
+        });
+        [jump.unwrap_or_default(), self.shift().unwrap_or_default(), quality].concat()
+    }
+
+    /// Returns what to do where the frame is not what was shown before it was solved over time, as a line.
+    fn shift(&self) -> Option<String> {
+        let (_, shifts) = self.shifts.as_ref().filter(|(frame, _)| *frame == self.playhead.frame())?;
+        let LayerShift { layer, node, pixels } = shifts.first().filter(|shift| shift.pixels > SHIFTED)?;
+        Some(format!(
+            "'{node}' moved by {pixels:.0} px when solved over time: pin it where it should stay, or lower Over time of '{layer}'.\n"
+        ))
     }
 
     /// Returns the frames over which a jump is spread, if this frame is among them.
@@ -88,6 +104,20 @@ mod tests {
             told.starts_with("The pose jumps near here: spread over frames 11 to 21.")
                 && told.ends_with("\nas rendered")
         );
+        let shift = |pixels| LayerShift { layer: "all".into(), node: "Sword".into(), pixels };
+        session.take(Reply::Shifted(session.revision, 12, vec![shift(4.0)]));
+        assert_eq!(session.corner(), told, "less than can be seen");
+        session.take(Reply::Shifted(session.revision, 12, vec![shift(38.4), shift(7.0)]));
+        assert!(
+            session.corner().contains("\n'Sword' moved by 38 px when solved over time: pin it"),
+            "{}",
+            session.corner()
+        );
+        session.go(11);
+        assert!(!session.corner().contains("Sword"));
+        session.frames_changed();
+        session.go(12);
+        assert!(!session.corner().contains("Sword"));
     }
 
     #[test]

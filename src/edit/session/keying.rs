@@ -99,7 +99,21 @@ impl Session {
 
     /// Sets a key of a pin from typed values. Of a pin whose rotation or scale has keys of its own, only what differs is set.
     pub(crate) fn put_key(&mut self, at: [usize; 2], key: PinKey) {
-        let keys = typed(self.document.shot(), at, key);
+        let ready = self.ready_to_type(at, key);
+        let held = pose_at(&ready, at, key.frame);
+        let key = PinKey {
+            rotate_degrees: key.rotate_degrees.or(held.and_then(|held| held.rotate_degrees)),
+            scale: key.scale.or(held.and_then(|held| held.scale)),
+            ..key
+        };
+        let mut keys = typed(&ready, at, key);
+        // What holds other frames comes with the first key of a channel.
+        for track in Track::of_pin(&ready, at) {
+            let is_typed = keys.iter().any(|(other, _)| *other == track);
+            let first =
+                track.keys(&ready).filter(|own| !is_typed && track.keys(self.document.shot()).as_ref() != Some(own));
+            keys.extend(first.map(|own| (track, own)));
+        }
         if !keys.is_empty() {
             self.write_keys("Type key", &keys, Some(&format!("type {at:?}")));
         }

@@ -9,11 +9,13 @@ mod corner;
 mod curves;
 mod export_run;
 mod figures;
+mod first_turns;
 mod gesture;
 mod handles;
 mod key_steps;
 mod keying;
 mod lattice_space;
+mod new_layer;
 mod overtaken;
 mod painting;
 mod placing;
@@ -23,6 +25,7 @@ mod references;
 mod regions;
 mod render_run;
 mod rings;
+mod saving;
 mod selection;
 mod shot_settings;
 mod shown;
@@ -42,17 +45,18 @@ pub(crate) use selection::Selection;
 pub(crate) use shown::Shown;
 pub(crate) use shown::{Onion, Wipe};
 
+use super::Document;
 use super::picture::{Picture, Quality};
 use super::playhead::Playhead;
 use super::reference::Reference;
 use super::track::AutoKey;
 use super::worker::{Job, Loaded, Purpose, Reply, SolvedFrame, Worker};
 use super::zoom::Zoom;
-use super::{DiskChange, Document, EditError};
+use crate::pipeline::LayerShift;
 use crate::raster::DeviceChoice;
 use crate::shot::{Shot, ShotError};
 use gesture::Gesture;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 /// Maximum bytes of pictures cached for playback.
@@ -86,8 +90,6 @@ pub(crate) struct Session {
     painted: Option<painting::PaintedFrame>,
     /// Revision and frame for which they were requested last.
     painted_asked: Option<(u64, i32)>,
-    /// Names of muted layers.
-    muted: BTreeSet<String>,
     /// The soloed layer.
     solo: Option<String>,
     /// Incremented whenever frames change.
@@ -103,6 +105,9 @@ pub(crate) struct Session {
     solves: BTreeMap<i32, Arc<SolvedFrame>>,
     current_solve: Option<Arc<SolvedFrame>>,
     figures: figures::Figures,
+    turns: first_turns::Turns,
+    /// By how much a frame differs since it is solved over time.
+    shifts: Option<(i32, Vec<LayerShift>)>,
     loaded: Arc<Loaded>,
     progress: Option<(u64, f64)>,
     is_idle: bool,
@@ -144,7 +149,6 @@ impl Session {
             brush: Brush::default(),
             painted: None,
             painted_asked: None,
-            muted: BTreeSet::new(),
             solo: None,
             revision: 1,
             gesture: Gesture::Idle,
@@ -156,6 +160,8 @@ impl Session {
             solves: BTreeMap::new(),
             current_solve: None,
             figures: figures::Figures::default(),
+            turns: first_turns::Turns::default(),
+            shifts: None,
             loaded: Arc::default(),
             progress: None,
             is_idle: false,
@@ -330,6 +336,7 @@ impl Session {
             Reply::Drawn(picture) => self.take_picture(picture),
             Reply::Before(picture) => self.before = Some(picture),
             Reply::Picked(id, point) => self.picked(id, point),
+            Reply::Turns { id, layer, turns } => self.take_turns(id, layer, turns),
             Reply::Brushed { id, point, mirrored } => self.brushed(id, point.map(|point| (point, mirrored))),
             Reply::Painted { revision, frame, triangles } => self.take_painted((revision, frame), triangles),
             Reply::Progress(revision, part) => self.progress = (part < 1.0).then_some((revision, part)),
@@ -337,6 +344,8 @@ impl Session {
                 self.fault = Some(text);
                 self.progress = None;
             }
+            Reply::Shifted(revision, frame, shifts) if revision == self.revision => self.shifts = Some((frame, shifts)),
+            Reply::Shifted(..) => {}
             Reply::Idle => self.is_idle = true,
             Reply::ShotWritten => self.is_written = true,
             Reply::SceneWritten => {
@@ -395,7 +404,8 @@ impl Session {
         self.pictures.clear();
         self.solves.clear();
         self.figures.clear();
-        (self.before, self.fault) = (None, None);
+        self.turns.clear();
+        (self.before, self.fault, self.shifts) = (None, None, None);
     }
 
     /// Changes the document. An invalid change is reported and has no effect.
@@ -431,11 +441,9 @@ impl Session {
     fn refresh(&mut self, purpose: Purpose) {
         self.is_idle = false;
         let mut shot = self.dragged.clone().unwrap_or_else(|| Arc::new(self.document.shot().clone()));
-        if self.solo.is_some() || !self.muted.is_empty() {
-            let shot = Arc::make_mut(&mut shot);
-            for layer in &mut shot.layers {
-                let is_heard = self.solo.as_ref().map_or(!self.muted.contains(&layer.name), |solo| *solo == layer.name);
-                layer.strength *= f64::from(u8::from(is_heard));
+        if let Some(solo) = &self.solo {
+            for layer in Arc::make_mut(&mut shot).layers.iter_mut().filter(|layer| layer.name != *solo) {
+                layer.strength = 0.0;
             }
         }
         let (next, reports) = match purpose {
@@ -526,49 +534,9 @@ impl Session {
         self.say(format!("{what}: {label}"));
     }
 
-    /// Saves the file, with what another program wrote elsewhere in it.
-    ///
-    /// # Errors
-    /// [`EditError`] if it cannot be written, or another program wrote it where there are unsaved changes.
-    pub(crate) fn save(&mut self) -> Result<(), EditError> {
-        let change = self.document.save()?;
-        let path = self.document.path().display().to_string();
-        match change {
-            DiskChange::None => self.say(format!("Saved {path}")),
-            DiskChange::Merged | DiskChange::Reloaded => {
-                self.reload();
-                self.say(format!("Saved {path}, with the changes of another program."));
-            }
-            DiskChange::Conflict(text) => {
-                self.conflict = Some(text);
-                let what = format!("{path} was not saved: another program wrote it");
-                return Err(EditError::Unusable { what, hint: "choose which text to keep, then save".into() });
-            }
-        }
-        Ok(())
-    }
-
-    /// Saves to another path, which becomes the document's.
-    ///
-    /// # Errors
-    /// As [`Self::save`].
-    pub(crate) fn save_as(&mut self, path: &std::path::Path) -> Result<(), EditError> {
-        self.document.save_as(path)?;
-        self.document_changed();
-        self.say(format!("Saved {}", path.display()));
-        Ok(())
-    }
-
     /// Returns the document, for operations on its file only.
     pub(crate) const fn document_mut(&mut self) -> &mut Document {
         &mut self.document
-    }
-
-    /// Reloads after the shot file or its scene changed on disk.
-    pub(crate) fn reload(&mut self) {
-        self.worker.forget();
-        self.document.read_files_again();
-        self.document_changed();
     }
 }
 

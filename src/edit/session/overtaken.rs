@@ -4,7 +4,7 @@
 
 use super::Session;
 use super::gesture::{Click, Gesture, Painting};
-use crate::pipeline::PickedPoint;
+use crate::edit::worker::FoundPoint;
 use std::collections::VecDeque;
 
 /// What was done with the pen before its last press, and is not in the document yet.
@@ -13,7 +13,7 @@ pub(super) struct Overtaken {
     /// Clicks without an answer.
     clicks: Vec<Click>,
     /// Clicks on surfaces, with what was found.
-    found: VecDeque<(Click, PickedPoint)>,
+    found: VecDeque<(Click, FoundPoint)>,
     /// Strokes with questions that are open.
     strokes: Vec<Painting>,
 }
@@ -46,10 +46,10 @@ impl Session {
     }
 
     /// Takes the answer about a click that was overtaken. Returns whether it was one.
-    pub(super) fn picked_before(&mut self, id: u64, point: Option<&PickedPoint>) -> bool {
+    pub(super) fn picked_before(&mut self, id: u64, found: Option<&FoundPoint>) -> bool {
         let Some(place) = self.overtaken.clicks.iter().position(|click| click.id == id) else { return false };
         let click = self.overtaken.clicks.remove(place);
-        self.overtaken.found.extend(point.map(|point| (click, point.clone())));
+        self.overtaken.found.extend(found.map(|found| (click, found.clone())));
         self.place_overtaken();
         true
     }
@@ -57,11 +57,11 @@ impl Session {
     /// Places the pins of clicks that were overtaken, unless the pen drags: a new pin would end that. What is selected stays.
     pub(super) fn place_overtaken(&mut self) {
         while matches!(self.gesture, Gesture::Idle | Gesture::Placing { .. })
-            && let Some((click, point)) = self.overtaken.found.pop_front()
+            && let Some((click, found)) = self.overtaken.found.pop_front()
         {
             let selected = self.selection.clone();
-            if let Some(layer) = point.layer
-                && self.place(layer, &point, click)
+            if let Some(layer) = found.point.layer
+                && self.place(layer, &found, click)
                 && !selected.pins.is_empty()
             {
                 self.selection = selected;

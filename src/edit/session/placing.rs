@@ -6,14 +6,15 @@ use super::gesture::{Click, Gesture};
 use super::wording::pin_noun;
 use super::{Purpose, Session};
 use crate::edit::track::key_time;
-use crate::edit::worker::Question;
-use crate::pipeline::PickedPoint;
+use crate::edit::track_keys::with_key;
+use crate::edit::worker::{FoundPoint, HeldPlace, Question};
 use crate::shot::edit::{
     PinName, Setting, add_pin, mirror_pin, put_keys, put_pin_setting, put_region, remove_pin, rename_pin,
 };
 use crate::shot::{Ease, Goal, PinKey, PinRegion, Shot, ShotError};
-use crate::space::ScreenPoint;
+use crate::space::{ScreenPoint, ScreenVector};
 use crate::spelling::other_side;
+use glam::DVec2;
 use std::collections::BTreeSet;
 
 /// Distance in frame heights below which a pinned point counts as at rest: a tenth of a pixel at 1080 lines.
@@ -21,6 +22,26 @@ const AT_REST: f64 = 1e-4;
 
 /// Radius of the region, in frame heights, of a pin that moves a part as a whole.
 const WHOLE_RADIUS: f64 = 0.18;
+
+/// Returns the keys of a new pin that holds the surface where it is shown `here`, and in other keyed frames; none where it is at rest and
+/// no other frame is keyed.
+fn holding_keys(here: HeldPlace, others: &[HeldPlace], strength: f64) -> Vec<PinKey> {
+    let is_moved = |place: &HeldPlace| place.offset.0.length() > AT_REST;
+    let strength = if strength.abs() < 1e-6 { 1.0 } else { strength };
+    let key = |place: &HeldPlace| PinKey {
+        frame: place.time,
+        goal: Goal::Offset(ScreenVector(if is_moved(place) { place.offset.0 / strength } else { DVec2::ZERO })),
+        rotate_degrees: None,
+        scale: None,
+        ease: place.ease,
+    };
+    let keys: Vec<PinKey> = others.iter().map(key).collect();
+    // At rest in all frames, it needs no key in this one.
+    match is_moved(&here) || others.iter().any(is_moved) {
+        true => with_key(&keys, key(&here)),
+        false => keys,
+    }
+}
 
 impl Session {
     /// Asks the worker what surface lies under the pointer.
@@ -33,17 +54,16 @@ impl Session {
     }
 
     /// Handles the answer: places a pin if a layer's surface is visible there, else starts a selection box.
-    pub(super) fn picked(&mut self, id: u64, point: Option<PickedPoint>) {
-        if self.picked_before(id, point.as_ref()) {
+    pub(super) fn picked(&mut self, id: u64, found: Option<FoundPoint>) {
+        if self.picked_before(id, found.as_ref()) {
             return;
         }
         let Gesture::Placing { click, at, is_up } = self.gesture else { return };
         if id != click.id {
             return;
         }
-        let unmoved = point.as_ref().filter(|point| point.layer.is_none()).map(|point| point.node.clone());
-        let found = point.and_then(|point| Some((point.layer?, point)));
-        let Some((layer, point)) = found else {
+        let unmoved = found.as_ref().filter(|found| found.point.layer.is_none()).map(|found| found.point.node.clone());
+        let Some((layer, found)) = found.and_then(|found| Some((found.point.layer?, found))) else {
             if !click.keeps_selection {
                 self.selection.clear();
             }
@@ -59,26 +79,28 @@ impl Session {
             return;
         };
         self.gesture = Gesture::Idle;
-        if self.place(layer, &point, click) && !is_up {
+        if self.place(layer, &found, click) && !is_up {
             self.begin_drag(click.from);
             self.motion(at);
         }
     }
 
-    /// Places a pin at a visible point of the model.
-    pub(super) fn place(&mut self, layer: usize, point: &PickedPoint, click: Click) -> bool {
+    /// Places a pin at a visible point of the model. In frames in which its layer has keys it holds the place that it has there.
+    pub(super) fn place(&mut self, layer: usize, found: &FoundPoint, click: Click) -> bool {
+        let point = &found.point;
         let shot = self.document.shot();
         let Some(owner) = shot.layers.get(layer) else { return false };
         let (layer_name, name) = (owner.name.clone(), free_name(shot, layer, pin_noun(shot, &point.node)));
         let at = PinName { layer: &layer_name, pin: &name };
         let mut text = add_pin(self.document.text(), Some(&layer_name), &name, &point.anchor);
-        // If the surface is displaced already, the pin holds it there.
-        let seen = click.from;
-        if (seen - point.rest).0.length() > AT_REST {
-            let frame = key_time(&shot.frames, owner, click.frame);
-            let goal = Goal::Offset(seen - point.rest);
-            let key = PinKey { frame, goal, rotate_degrees: None, scale: None, ease: Ease::Smooth };
-            text = text.and_then(|text| put_keys(&text, at, &[key]));
+        let here = HeldPlace {
+            time: key_time(&shot.frames, owner, click.frame),
+            ease: Ease::Smooth,
+            offset: click.from - point.rest,
+        };
+        let keys = holding_keys(here, &found.held, owner.strength);
+        if !keys.is_empty() {
+            text = text.and_then(|text| put_keys(&text, at, &keys));
         }
         if click.is_whole {
             let region = PinRegion { radius: WHOLE_RADIUS, rigidity: 1.0, stiffness: 1.0 };

@@ -82,6 +82,8 @@ impl Session {
             && let Some(turn) = self.turn_at(at, ring, &base)
         {
             let (slack, turn) = (CLICK * ring.reach, Box::new(turn));
+            let others: Vec<[usize; 2]> = self.counterparts(&base).collect();
+            self.selection.pins.clone().into_iter().chain(others).for_each(|at| self.want_turns(at));
             self.gesture = Gesture::OnRing { from: at, slack, placed: (!held.adds).then_some(held.whole), turn };
             return;
         }
@@ -316,8 +318,11 @@ impl Session {
         let chosen = self.selection.pins.iter().map(|&at| (at, change));
         for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
-            let keys = moved(base, at, (time, self.auto_key), change, self.scale_of(at))?;
-            keys.put_into(&mut shot.layers[at[0]].pins[at[1]]);
+            let ready = self.ready_to_turn(base, at, change);
+            let keys = moved(&ready, at, (time, self.auto_key), change, self.scale_of(at))?;
+            let pin = &mut shot.layers[at[0]].pins[at[1]];
+            pin.clone_from(&ready.layers[at[0]].pins[at[1]]);
+            keys.put_into(pin);
         }
         shot.copy_mirrored_keys();
         if let Move::By(by) = change {

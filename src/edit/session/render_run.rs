@@ -32,6 +32,8 @@ pub(crate) struct RenderRun {
     solved: Option<f64>,
     /// Where the frames go: a path with a place for the frame number.
     pub(crate) output: PathBuf,
+    /// How the frames differ from what the window showed when it began.
+    pub(crate) note: Option<String>,
     /// Its log messages.
     pub(crate) log: Vec<String>,
     /// Its state.
@@ -70,7 +72,11 @@ impl Session {
             true => (self.playhead.range()[0]..=self.playhead.range()[1]).collect(),
             false => Vec::new(),
         };
-        self.run = Some(RenderRun::start(self.document.shot().clone(), (frames, device), wake));
+        let note = |solo: &str| {
+            format!("Solo of '{solo}' is of the window alone: all layers that are not muted are rendered.")
+        };
+        let note = self.solo().map(note);
+        self.run = Some(RenderRun { note, ..RenderRun::start(self.document.shot().clone(), (frames, device), wake) });
     }
 
     /// Follows the render, and tells how it ended, whether its window is open or not. Returns whether anything changed.
@@ -180,7 +186,8 @@ impl RenderRun {
         }
         let (done, kept, files, is_complete) = (0, 0, Vec::new(), false);
         let (shot, frames, solved) = (path, count, None);
-        Self { shot, events, cancel, frames, done, kept, solved, output, log, state, is_complete, files }
+        let note = None;
+        Self { shot, events, cancel, frames, done, kept, solved, output, note, log, state, is_complete, files }
     }
 
     /// Returns the part that is done, and what is being done: at first layers are solved over time.
@@ -299,6 +306,7 @@ mod tests {
             kept: 0,
             solved: None,
             output: "out/a.####.exr".into(),
+            note: None,
             log: Vec::new(),
             state,
             is_complete: false,

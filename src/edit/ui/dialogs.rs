@@ -28,6 +28,9 @@ fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> b
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
         let (part, stage) = run.progress();
         ui.weak(format!("Frames go to {}", run.output.display()));
+        if let Some(note) = &run.note {
+            ui.colored_label(ui.visuals().warn_fg_color, note);
+        }
         ui.horizontal(|ui| {
             ui.add(egui::ProgressBar::new(part as f32).desired_width(380.0).text(stage));
             match &run.state {

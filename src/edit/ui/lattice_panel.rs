@@ -7,7 +7,7 @@ use crate::lattice::Basis;
 use crate::shot::edit::Setting;
 use crate::shot::{BoxRule, Layer, LayerSpace, WorldBoxRule};
 use crate::space::ScreenBox;
-use eframe::egui::{ComboBox, Popup, ScrollArea, Ui};
+use eframe::egui::{Button, ComboBox, Popup, ScrollArea, Ui};
 
 /// Shows the rows of the grid of settings.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, layer: &Layer) {
@@ -51,9 +51,13 @@ fn space(ui: &mut Ui, session: &mut Session, now: Space) {
 
 fn dims(ui: &mut Ui, session: &mut Session, layer: &Layer) {
     if layer.has_auto_dims {
-        ui.weak("auto");
-        if ui.small_button("set").on_hover_text("Type the numbers of handles").clicked() {
-            session.set_dims(&[10, 10]);
+        let chosen = session.automatic_dims();
+        ui.weak(chosen.map_or_else(|| "auto".to_owned(), |[columns, rows]| format!("auto: {columns} x {rows}")));
+        let set = ui.add_enabled(chosen.is_some(), Button::new("set").small());
+        if let Some(dims) = chosen
+            && set.on_hover_text("Keep these numbers of handles, and type others").clicked()
+        {
+            session.set_dims(&dims);
         }
         return;
     }
@@ -160,9 +164,8 @@ fn nodes(ui: &mut Ui, session: &mut Session, layer: &Layer) {
         [only] => only.clone(),
         more => format!("{} and {} more", more[0], more.len() - 1),
     };
-    let button = ui
-        .add(eframe::egui::Button::new(words).truncate())
-        .explained("Nodes", "The parts of the scene that this layer moves");
+    let button =
+        ui.add(Button::new(words).truncate()).explained("Nodes", "The parts of the scene that this layer moves");
     Popup::menu(&button).close_behavior(eframe::egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         let mut names: Vec<String> = session.loaded().nodes.iter().map(|(name, _)| name.clone()).collect();
         let patterns = layer.nodes.iter().filter(|pattern| !names.contains(pattern)).cloned();

@@ -64,7 +64,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
 fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) {
     let layer = &session.shot().layers[index];
     let is_chosen = session.selection.layer == index;
-    let is_muted = session.is_muted(&layer.name);
+    let is_muted = layer.is_muted;
     ui.horizontal(|ui| {
         let (eye, name) = if is_muted { (Icon::Unseen, "Unmute") } else { (Icon::Seen, "Mute") };
         if icons::button(ui, eye, &format!("{name} {}", layer.name)).clicked() {
@@ -107,14 +107,18 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
 }
 
 fn add_menu(ui: &mut Ui, session: &mut Session) {
-    if ui.button("Everything").clicked() {
-        session.add_layer(&[]);
+    let offers = session.loaded().offers.clone();
+    if offers.is_empty() {
+        ui.weak("The shot is not loaded.");
     }
-    let nodes = session.loaded().nodes.clone();
     ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
-        for (node, _) in nodes {
-            if ui.button(&node).clicked() {
-                session.add_layer(&[node]);
+        for offer in offers {
+            let button = egui::Button::new(offer.node.as_deref().unwrap_or("Everything"));
+            let button = ui.add_enabled(offer.place.is_ok(), button);
+            match &offer.place {
+                Ok(_) if button.clicked() => session.add_layer(&offer),
+                Ok(_) => {}
+                Err(reason) => _ = button.on_disabled_hover_text(reason),
             }
         }
     });

@@ -252,7 +252,9 @@ pub(super) fn hint(ui: &mut Ui, session: &mut Session) {
         ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.add_space(4.0);
             let words = match (session.fault(), session.message()) {
-                (Some(fault), _) => RichText::new(fault).color(ui.visuals().error_fg_color),
+                (Some(fault), None) => RichText::new(fault).color(ui.visuals().error_fg_color),
+                // The picture says what the fault is.
+                (Some(_), Some(message)) => RichText::new(message).color(ui.visuals().error_fg_color),
                 (None, Some(message)) => RichText::new(message),
                 (None, None) => RichText::new(format!("Click the {}: pin.  {HINT}", session.subject())).weak(),
             };

@@ -9,6 +9,7 @@ use eframe::egui::{DragValue, Ui};
 
 /// Shows rotation and scale of a pin; `key`: its values in the current frame.
 pub(super) fn show(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
+    session.want_turns_when_drawn(at);
     let is_in_scene = matches!(key.goal, Goal::SceneOffset(_) | Goal::SceneTarget(_));
     match key.rotate_degrees {
         Some(Rotation::Axes(angles)) => turn_in_scene(ui, session, (at, key), Some(angles)),

@@ -122,6 +122,7 @@ pub(super) fn show(
     over.draw();
     brush_ring(ui, &response, (&over, is_brush), shortcuts);
     status(ui, rect, session, &lens);
+    fault(ui, rect, session);
     picture_parts::show(ui, &response, (session, &lens), REACH);
     menu(&response, session);
 }
@@ -243,6 +244,18 @@ fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
     let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
     let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), galley.size());
     painter.rect_filled(place.expand2(vec2(6.0, 3.0)), 4, Color32::from_black_alpha(130));
+    painter.galley(place.min, galley, Color32::WHITE);
+}
+
+/// Says over the picture why the shot cannot be drawn.
+fn fault(ui: &Ui, rect: Rect, session: &Session) {
+    let Some(fault) = session.fault() else { return };
+    let text = format!("This shot cannot be drawn.\n\n{fault}\n\nUndo, or mend the shot file.");
+    let painter = ui.painter_at(rect);
+    let width = (rect.width() - 60.0).clamp(80.0, 560.0);
+    let galley = painter.layout(text, FontId::proportional(14.0), Color32::from_gray(240), width);
+    let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+    painter.rect_filled(place.expand(12.0), 6, Color32::from_black_alpha(210));
     painter.galley(place.min, galley, Color32::WHITE);
 }
 

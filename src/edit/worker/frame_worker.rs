@@ -5,11 +5,15 @@
 use super::draft_size::DraftSize;
 use super::drag_solve::DragSolve;
 use super::file_watch::{Changed, FileWatch};
-use super::mail::{Inbox, Interrupts, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame};
+use super::keyed_poses::{held_places, turns};
+use super::mail::{
+    FoundPoint, Inbox, Interrupts, Job, Loaded, Purpose, Question, Queue, Reply, ReplySender, SolvedFrame,
+};
 use crate::edit::frame_runs::pop_frame;
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
-    FrameReport, JerkMeter, LayerMarks, OpenShot, PipelineError, Rework, TimeSample, layer_marks, report, resting_marks,
+    FrameReport, JerkMeter, LayerMarks, OpenShot, PickedPoint, PipelineError, Rework, TimeSample, layer_marks, report,
+    resting_marks,
 };
 use crate::raster::geometry::KeptParts;
 use crate::raster::{self, DeviceChoice, Raster};
@@ -203,10 +207,13 @@ impl FrameWorker {
     }
 
     fn facts(&self, open: &OpenShot) -> Loaded {
-        let scene = &open.prepared().scene;
+        let (scene, shot) = (&open.prepared().scene, &open.prepared().shot);
         let cameras = scene.nodes.iter().filter(|node| node.camera.is_some());
         Loaded {
             nodes: open.drawn_nodes().map(|(name, is_hidden)| (name.to_owned(), is_hidden)).collect(),
+            offers: open.layer_offers(),
+            dims: shot.layers.iter().map(|layer| (layer.name.clone(), layer.space.dims())).collect(),
+            can_branch: open.can_branch(),
             clips: scene.clips.iter().map(|clip| (clip.name.clone(), f64::from(clip.end_secs))).collect(),
             cameras: cameras.map(|node| node.name.clone()).collect(),
             device: self.device.as_ref().map_or_else(|| "CPU".into(), |device| device.name()),
@@ -259,7 +266,10 @@ impl FrameWorker {
                 return Ok(false);
             }
             progress(1.0);
+            let shown = sample;
             let sample = prepared.mid_exposure(job.frame)?;
+            let shifts = prepared.layer_shifts([&shown, &sample]);
+            sender.send(Reply::Shifted(job.revision, job.frame, shifts));
             self.seen = Some((job.frame, Arc::clone(&sample)));
             self.send_solved((job.frame, job.revision), (&sample, true), sender);
             self.set_drag_aside(job.frame);
@@ -424,8 +434,10 @@ impl FrameWorker {
         let sample = self.seen_at(question.frame()).ok().flatten();
         let seen = self.open.as_ref().map(OpenShot::prepared).zip(sample.as_deref());
         match question {
-            Question::Point { id, at, .. } => {
-                Reply::Picked(id, seen.and_then(|(prepared, sample)| prepared.pick_warped(sample, at)))
+            Question::Point { id, frame, at } => {
+                let point = seen.and_then(|(prepared, sample)| prepared.pick_warped(sample, at));
+                let held = |point: &PickedPoint| seen.map_or_else(Vec::new, |(own, _)| held_places(own, frame, point));
+                Reply::Picked(id, point.map(|point| FoundPoint { held: held(&point), point }))
             }
             Question::Brush { id, at, mirrors, .. } => {
                 let point = seen.and_then(|(prepared, sample)| prepared.brush_point(sample, at));
@@ -437,6 +449,10 @@ impl FrameWorker {
             Question::Painted { revision, frame } => {
                 let triangles = seen.map_or_else(Vec::new, |(prepared, sample)| prepared.stiff_triangles(sample));
                 Reply::Painted { revision, frame, triangles }
+            }
+            Question::Turns { id, frame, layer } => {
+                let turns = seen.map_or_else(Vec::new, |(prepared, sample)| turns(prepared, (frame, layer), sample));
+                Reply::Turns { id, layer, turns }
             }
         }
     }

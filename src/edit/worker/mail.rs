@@ -1,9 +1,11 @@
 //! Messages between the window and the worker thread.
 
 use crate::edit::picture::Picture;
-use crate::pipeline::{BrushPoint, FrameReport, LayerMarks, PaintedPlace, PickedPoint, StiffTriangle};
-use crate::shot::Shot;
-use crate::space::ScreenPoint;
+use crate::pipeline::{
+    BrushPoint, FrameReport, LayerMarks, LayerOffer, LayerShift, PaintedPlace, PickedPoint, PinTurn, StiffTriangle,
+};
+use crate::shot::{Ease, Shot};
+use crate::space::{ScreenPoint, ScreenVector};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
@@ -52,13 +54,18 @@ pub(in crate::edit) enum Question {
     Brush { id: u64, frame: i32, at: ScreenPoint, mirrors: bool },
     /// What triangles are painted?
     Painted { revision: u64, frame: i32 },
+    /// How are the pins of a layer turned in this frame, and in all keyed ones?
+    Turns { id: u64, frame: i32, layer: usize },
 }
 
 impl Question {
     /// Returns the frame that it is about.
     pub(super) const fn frame(self) -> i32 {
         match self {
-            Self::Point { frame, .. } | Self::Brush { frame, .. } | Self::Painted { frame, .. } => frame,
+            Self::Point { frame, .. }
+            | Self::Brush { frame, .. }
+            | Self::Painted { frame, .. }
+            | Self::Turns { frame, .. } => frame,
         }
     }
 }
@@ -77,11 +84,15 @@ pub(in crate::edit) enum Reply {
     /// The unwarped frame was drawn.
     Before(Arc<Picture>),
     /// The answer to a question; `None` if there is no surface.
-    Picked(u64, Option<PickedPoint>),
+    Picked(u64, Option<FoundPoint>),
     /// The answer about the brush; `None` if no layer's surface is there.
     Brushed { id: u64, point: Option<BrushPoint>, mirrored: Option<PaintedPlace> },
     /// The painted triangles of a frame.
     Painted { revision: u64, frame: i32, triangles: Vec<StiffTriangle> },
+    /// How the pins of a layer are turned, by the times of its keys.
+    Turns { id: u64, layer: usize, turns: Vec<(f64, Vec<PinTurn>)> },
+    /// By how much a frame that is solved over time differs from what was shown before, with the revision of the document.
+    Shifted(u64, i32, Vec<LayerShift>),
     /// Progress of the solve over time, 0 to 1, with the revision of the document.
     Progress(u64, f64),
     /// A frame or the shot failed, with a message.
@@ -96,11 +107,37 @@ pub(in crate::edit) enum Reply {
     PlatesWritten(Vec<[i32; 2]>),
 }
 
+/// A point of the model under the pointer.
+#[derive(Clone, Debug)]
+pub(in crate::edit) struct FoundPoint {
+    /// The point.
+    pub(in crate::edit) point: PickedPoint,
+    /// Where its layer shows it in other keyed frames.
+    pub(in crate::edit) held: Vec<HeldPlace>,
+}
+
+/// Where a keyed frame shows a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::edit) struct HeldPlace {
+    /// The time of the keys.
+    pub(in crate::edit) time: f64,
+    /// The ease that leaves them.
+    pub(in crate::edit) ease: Ease,
+    /// The displacement by the warp.
+    pub(in crate::edit) offset: ScreenVector,
+}
+
 /// Information about a loaded shot.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Loaded {
     /// Names of nodes with meshes, and whether they are hidden.
     pub(crate) nodes: Vec<(String, bool)>,
+    /// The layers that can be added: everything, then one for each of these nodes.
+    pub(crate) offers: Vec<LayerOffer>,
+    /// Names of layers, and the numbers of handles along the axes of their lattices, also where they are automatic.
+    pub(crate) dims: Vec<(String, [usize; 3])>,
+    /// Whether the lattices of new layers branch, as in a new shot of the scene.
+    pub(crate) can_branch: bool,
     /// Names of clips, and their durations in seconds.
     pub(crate) clips: Vec<(String, f64)>,
     /// Names of the scene's cameras.

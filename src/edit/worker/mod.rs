@@ -8,10 +8,11 @@ mod drag_solve;
 mod file_watch;
 mod frame_worker;
 mod handle;
+mod keyed_poses;
 mod mail;
 mod plate_watch;
 
 pub(in crate::edit) use handle::Worker;
 pub(crate) use mail::Loaded;
 pub(crate) use mail::SolvedFrame;
-pub(in crate::edit) use mail::{Job, Purpose, Question, Reply};
+pub(in crate::edit) use mail::{FoundPoint, HeldPlace, Job, Purpose, Question, Reply};

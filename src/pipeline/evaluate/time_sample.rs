@@ -99,7 +99,7 @@ impl LayerState {
 
 impl LayerState {
     /// Returns the warp of a part of the layer on the screen.
-    fn part_warp(&self, part: usize) -> PartWarp<'_> {
+    pub(in crate::pipeline) fn part_warp(&self, part: usize) -> PartWarp<'_> {
         let Some(solution) = &self.solution else { return PartWarp::Rest };
         let own = self.starts.iter().find(|own| own.part == part);
         match solution.branches.as_ref().zip(own) {

@@ -248,8 +248,9 @@ fn note_unwarped(prepared: &mut PreparedShot) {
         return;
     }
     let note = |layer: &Layer| {
-        let why = match (layer.is_moved(), layer.is_muted()) {
+        let why = match (layer.is_moved(), layer.has_muted_pins_only()) {
             (false, _) => "has no pins and no moved handles",
+            (true, _) if layer.is_muted => "is muted",
             (true, true) => "has muted pins only",
             (true, false) => return None,
         };

@@ -5,7 +5,13 @@
 pub(super) mod brush_point;
 mod folded_model_cells;
 mod folded_outlines;
+#[cfg(feature = "editor")]
+pub(super) mod held_points;
 pub(super) mod layer_marks;
+#[cfg(feature = "editor")]
+pub(super) mod layer_offers;
+#[cfg(feature = "editor")]
+pub(super) mod layer_shift;
 pub(super) mod new_shot;
 pub(super) mod open_shot;
 pub(super) mod picked_point;

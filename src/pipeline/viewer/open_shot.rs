@@ -268,7 +268,7 @@ fn structural_settings(shot: &Shot) -> Shot {
         layer.handles.clear();
         layer.stiffness.clear();
         layer.strokes.clear();
-        (layer.strength, layer.step) = (1.0, 1);
+        (layer.strength, layer.is_muted, layer.step) = (1.0, false, 1);
         layer.settings = Settings { topology: layer.settings.topology, ..Settings::default() };
         if let LayerSpace::Screen { dims, .. } = &mut layer.space {
             *dims = [4, 4];

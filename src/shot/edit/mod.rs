@@ -8,6 +8,8 @@ mod channel_keys;
 mod filter;
 mod layer;
 #[cfg(feature = "editor")]
+mod move_pin;
+#[cfg(feature = "editor")]
 mod paths;
 mod pin;
 mod rename;
@@ -20,6 +22,8 @@ pub use block::pin_block;
 pub(crate) use channel_keys::{put_rotate_keys, put_scale_keys};
 pub(crate) use filter::put_filter;
 pub(crate) use layer::{Factor, KeyedPin, LayerEdit, put_layer};
+#[cfg(feature = "editor")]
+pub(crate) use move_pin::move_pin;
 #[cfg(feature = "editor")]
 pub(crate) use paths::put_paths;
 pub(crate) use pin::{PinName, put_handle, put_keys, put_region, remove_pin};

@@ -57,7 +57,7 @@ fn edit_layers(
 }
 
 /// Replaces a name in `mirror = { layer = "..", pin = ".." }` of all pins whose `mirror` has these names.
-fn rename_followed(layers: &mut Item, names: &[(&str, &str)], (key, name): (&str, &str)) {
+pub(super) fn rename_followed(layers: &mut Item, names: &[(&str, &str)], (key, name): (&str, &str)) {
     for layer in tables(layers).unwrap_or_default() {
         for pin in layer.get_mut("pin").and_then(tables).unwrap_or_default() {
             let Some(mirror) = pin.get_mut("mirror").and_then(Item::as_table_like_mut) else { continue };

@@ -44,6 +44,9 @@ pub(in crate::shot) struct RawLayer {
     #[serde(default = "super::default_one")]
     #[schemars(range(min = -100.0, max = 100.0))]
     pub(in crate::shot) strength: f64,
+    /// The layer is at rest: its pins, handles and transferred lattices are ignored. It keeps the parts that it claims.
+    #[serde(default)]
+    pub(in crate::shot) mute: bool,
     /// Parts that keep their shape more, or less, than the rest of the layer.
     #[serde(default)]
     pub(in crate::shot) stiffness: Vec<RawStiffness>,
