@@ -11,7 +11,7 @@ use crate::spelling::pluralised;
 impl Session {
     /// Adds a layer at its place, and selects it. Pins that lie on what it takes from other layers come along.
     pub(crate) fn add_layer(&mut self, offer: &LayerOffer) {
-        let Ok(place) = offer.place.as_ref().map_err(ToString::to_string).map(|place| *place) else { return };
+        let Ok(place) = offer.place else { return };
         let shot = self.document.shot();
         let nodes: Vec<String> = offer.node.iter().cloned().collect();
         let name = free_name(shot, offer.node.as_deref().unwrap_or("layer"));
