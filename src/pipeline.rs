@@ -36,6 +36,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::sync_channel;
 
 pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
+#[cfg(feature = "cli")]
+pub(crate) use draw::frame_checks::FrameChecks;
 pub(crate) use draw::jerk::JerkMeter;
 pub(crate) use draw::passes::{PassPlan, plan_passes};
 pub use draw::report::report;

@@ -7,7 +7,7 @@ use super::layer_notes::LayerNotes;
 use super::outcome::Outcome;
 use super::warnings::Warnings;
 use crate::image::SequencePath;
-use crate::pipeline::{Jerk, JerkMeter, Keeping, LayerReport, PreparedShot, report};
+use crate::pipeline::{FrameChecks, Jerk, Keeping, LayerReport, PreparedShot};
 use crate::spelling::pluralised;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -66,14 +66,12 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<Outcome> {
     }
     let mut is_solved = true;
     let mut peaks: BTreeMap<String, Peaks> = BTreeMap::new();
-    let mut jerk = JerkMeter::default();
+    let mut checks = FrameChecks::default();
     let mut warnings = Warnings::default();
     let mut notes = LayerNotes::default();
     for &frame in &frames {
-        match prepared.mid_exposure(frame) {
-            Ok(sample) => {
-                let mut report = report(&prepared, frame, &sample);
-                jerk.watch(&prepared, &sample, &mut report);
+        match checks.report(&prepared, frame, |_| true) {
+            Ok(report) => {
                 report.warnings.iter().for_each(|warning| warnings.add(frame, warning));
                 for line in notes.new_lines(&report.notes) {
                     writeln!(out, "{line}")?;

@@ -18,7 +18,10 @@ use std::path::PathBuf;
 ///
 /// Branches of branching lattices are kept when a file is read and written; `lattice` returns the largest branch.
 #[pyclass(frozen, module = "pinwarp")]
-pub(super) struct LatticeFile(pub(super) export::LatticeFile);
+pub(super) struct LatticeFile {
+    file: export::LatticeFile,
+    warnings: Vec<(i32, String)>,
+}
 
 #[pymethods]
 impl LatticeFile {
@@ -31,36 +34,42 @@ impl LatticeFile {
             }
         }
         let layers = lattices.into_iter().map(|(name, frames)| track(name, frames)).collect::<Result<_, _>>()?;
-        Ok(Self(export::LatticeFile { frame_aspect, rate, layers }))
+        Ok(Self::of(export::LatticeFile { frame_aspect, rate, layers }, Vec::new()))
     }
 
     /// Reads a lattice file (.json).
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        py.detach(|| Ok(Self(export::LatticeFile::read(&path)?)))
+        py.detach(|| Ok(Self::of(export::LatticeFile::read(&path)?, Vec::new())))
     }
 
     /// Writes the file atomically; an existing file is replaced.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<(), Failure> {
-        py.detach(|| Ok(self.0.write(&path)?))
+        py.detach(|| Ok(self.file.write(&path)?))
     }
 
     /// Names of the layers.
     #[getter]
     fn layers(&self) -> Vec<String> {
-        self.0.layers.iter().map(|layer| layer.name.clone()).collect()
+        self.file.layers.iter().map(|layer| layer.name.clone()).collect()
     }
 
     /// Width of the frame in frame heights.
     #[getter]
     const fn frame_aspect(&self) -> f64 {
-        self.0.frame_aspect
+        self.file.frame_aspect
     }
 
     /// Frames per second.
     #[getter]
     const fn rate(&self) -> f64 {
-        self.0.rate
+        self.file.rate
+    }
+
+    /// The warnings that a render of these frames would give, as (frame, text); empty unless `Shot.lattices` returned the file.
+    #[getter]
+    fn warnings(&self) -> Vec<(i32, String)> {
+        self.warnings.clone()
     }
 
     /// Returns the frames of a layer in order; the layer may be omitted if it is the only one.
@@ -86,14 +95,18 @@ impl LatticeFile {
     }
 
     fn __repr__(&self) -> String {
-        format!("<LatticeFile of {}>", spelling::pluralised(self.0.layers.len(), "layer", "layers"))
+        format!("<LatticeFile of {}>", spelling::pluralised(self.file.layers.len(), "layer", "layers"))
     }
 }
 
 impl LatticeFile {
+    pub(super) const fn of(file: export::LatticeFile, warnings: Vec<(i32, String)>) -> Self {
+        Self { file, warnings }
+    }
+
     fn layer(&self, name: Option<&str>) -> Result<&LatticeTrack, Failure> {
-        let names = || self.0.layers.iter().map(|layer| layer.name.as_str());
-        match (name, self.0.layers.as_slice()) {
+        let names = || self.file.layers.iter().map(|layer| layer.name.as_str());
+        match (name, self.file.layers.as_slice()) {
             (None, [only]) => Ok(only),
             (None, _) => Err(Failure::argument("layer", "is not given", spelling::list(names()))),
             (Some(name), layers) => layers.iter().find(|layer| layer.name == name).ok_or_else(|| {

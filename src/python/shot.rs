@@ -13,7 +13,7 @@ use super::scene::{Scene, projected};
 use super::sequence::RenderedFrames;
 use super::work::{Watch, away};
 use crate::image::SequencePath;
-use crate::pipeline::{self, Event, Existing, FrameReport, JerkMeter, PreparedShot, RenderOptions};
+use crate::pipeline::{self, Event, Existing, FrameChecks, FrameReport, PreparedShot, RenderOptions};
 use crate::shot::CameraRule;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyRange};
@@ -58,6 +58,7 @@ struct WriteReport {
     #[serde(flatten)]
     summary: pipeline::Summary,
     failures: Vec<FrameFailure>,
+    warnings: Vec<(i32, String)>,
 }
 
 #[pymethods]
@@ -188,7 +189,7 @@ impl Shot {
     }
 
     /// Renders frames to EXR files, as `pinwarp render` does, and returns a dict with rendered, kept, failed, failures (frame and error
-    /// of each), times and more.
+    /// of each), warnings ([frame, text] each), times and more.
     ///
     /// existing: how to treat existing frames: "refuse", "overwrite" or "resume".
     /// preview: also writes a PNG beside every frame.
@@ -234,7 +235,7 @@ impl Shot {
         plain(py, &report)
     }
 
-    /// Returns the solved lattices of frames, as `pinwarp export --to lattice-json` writes them.
+    /// Returns the solved lattices of frames, as `pinwarp export --to lattice-json` writes them, with its warnings.
     ///
     /// frames: default: all frames of the shot.
     /// progress: called with (frames done, frames in total); False cancels.
@@ -246,7 +247,7 @@ impl Shot {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<LatticeFile> {
         let frames = self.wanted(frames)?;
-        away(py, progress, |watch| self.solved(&frames, watch)).map(LatticeFile)
+        away(py, progress, |watch| self.solved(&frames, watch))
     }
 
     /// Returns the pins that act at a frame, at mid-shutter: a list of dicts with layer, name, rest and target ((x, y) in frame heights,
@@ -293,17 +294,13 @@ impl Shot {
         let prepared = &*self.prepared;
         let output = SequencePath::parse(&prepared.shot.output.path)?;
         output.check_frame_count(frames.len())?;
-        let mut jerk = JerkMeter::default();
+        let mut checks = FrameChecks::default();
         let mut found = CheckReport { notes: prepared.notes.clone(), frames: Vec::new(), failures: Vec::new() };
         for (done, &frame) in frames.iter().enumerate() {
             watch.tell(done, frames.len());
             watch.check()?;
-            match prepared.mid_exposure(frame) {
-                Ok(sample) => {
-                    let mut report = pipeline::report(prepared, frame, &sample);
-                    jerk.watch(prepared, &sample, &mut report);
-                    found.frames.push(report);
-                }
+            match checks.report(prepared, frame, |_| true) {
+                Ok(report) => found.frames.push(report),
                 Err(error) => found.failures.push(FrameFailure { frame, error: error.to_string() }),
             }
         }
@@ -311,26 +308,31 @@ impl Shot {
         Ok(found)
     }
 
-    fn solved(&self, frames: &[i32], watch: &Watch) -> Result<crate::export::LatticeFile, Failure> {
+    fn solved(&self, frames: &[i32], watch: &Watch) -> Result<LatticeFile, Failure> {
         watch.tell(0, frames.len());
         _ = self.prepared.solve_trajectories(&|| watch.is_stopped(), &|_| {});
         // Checking once per frame suffices for cancellation; solved lattices are kept for all frames.
+        let (mut checks, mut warnings) = (FrameChecks::default(), Vec::new());
         for (done, &frame) in frames.iter().enumerate() {
             watch.check()?;
-            self.prepared.sample_at(f64::from(frame))?;
+            let report = checks.report(&self.prepared, frame, |_| true)?;
+            warnings.extend(report.warnings.into_iter().map(|warning| (frame, warning)));
             watch.tell(done + 1, frames.len());
         }
-        Ok(pipeline::lattices(&self.prepared, frames, |_| {})?)
+        Ok(LatticeFile::of(pipeline::lattices(&self.prepared, frames, |_| {})?, warnings))
     }
 
     fn render_files(&self, options: &RenderOptions, watch: &Watch) -> Result<WriteReport, Failure> {
         let of = options.frames.len();
-        let done = Mutex::new((0, Vec::new()));
+        let done = Mutex::new((0, Vec::new(), Vec::new()));
         watch.tell(0, of);
         let on_event = |event| {
             let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
             match event {
-                Event::FrameDone(_) => done.0 += 1,
+                Event::FrameDone(report) => {
+                    done.0 += 1;
+                    done.2.extend(report.warnings.into_iter().map(|warning| (report.frame, warning)));
+                }
                 Event::FrameFailed { frame, error } => {
                     done.0 += 1;
                     done.1.push(FrameFailure { frame, error });
@@ -340,8 +342,8 @@ impl Shot {
             watch.tell(done.0, of);
         };
         let summary = pipeline::render(&self.prepared, options, watch.stop_flag(), &on_event)?;
-        let (_, failures) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok(WriteReport { summary, failures })
+        let (_, failures, warnings) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(WriteReport { summary, failures, warnings })
     }
 }
 

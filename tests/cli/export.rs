@@ -326,3 +326,49 @@ fn impossible_exports_are_refused() {
     bench.run("export shot.toml --to after-effects --inverse").says(2, &["displacement maps cannot be inverted"]);
     bench.run("export shot.toml --to fbx").says(2, &["possible values", "blender"]);
 }
+
+/// The formats that `export` knows, from its own list.
+fn formats(bench: &Bench) -> Vec<String> {
+    let told = bench.run("export shot.toml --to nothing").says(2, &["possible values: "]).stderr;
+    let list = told.split("possible values: ").nth(1).and_then(|rest| rest.split(']').next()).expect("a list");
+    list.split(", ").map(str::to_owned).collect()
+}
+
+#[test]
+fn every_export_tells_what_a_render_tells() {
+    let rival = PIN.replace("\"corner\"", "\"rival\"").replace("[0.1, 0.05]", "[-0.1, 0.05]");
+    let bench = Bench::with_shot(&format!("{HEAD}{PIN}{rival}{OUTPUT}"));
+    let warnings = |text: &str| -> Vec<String> {
+        text.lines().filter(|line| line.starts_with("warning: ")).map(str::to_owned).collect()
+    };
+    let rendered = warnings(&bench.render("--frames 2").says(0, &["'corner' and 'rival'", "7.20 px apart"]).stderr);
+    let formats = formats(&bench);
+    assert!(formats.len() >= 6 && formats.iter().any(|format| format == "gltf"), "{formats:?}");
+    for format in formats {
+        let run = |frames: &str| bench.run(&format!("export shot.toml --to {format} --frames {frames} --overwrite"));
+        let told = warnings(&run("2").says(0, &[]).stderr);
+        let missing: Vec<&String> = rendered.iter().filter(|warning| !told.contains(warning)).collect();
+        assert!(missing.is_empty(), "{format} leaves out {missing:?}, tells {told:?}");
+        assert!(!run("1").says(0, &[]).stderr.contains("rival"), "{format}: the pins agree in frame 1");
+    }
+}
+
+#[test]
+fn similar_warnings_of_an_export_share_a_line_and_rest_layers_are_silent() {
+    let keys = "keys = [ { frame = 1, offset = [-0.1, 0.05] } ]";
+    let rival = PIN.replace("\"corner\"", "\"rival\"");
+    let rival = format!("{}{keys}\n", rival.split("keys").next().expect("a head"));
+    let other = "\n[[layer]]\nname = \"other\"\nnodes = [\"Other\"]\nlattice = { dims = [4, 4] }\n\
+                 [[layer.pin]]\nanchor = { node = \"Other\", triangle = 0, barycentric = [1.0, 0.0, 0.0] }\n\
+                 keys = [{ frame = 1, offset = [0.1, 0] }]\n";
+    let parts = vec![grid("Quad", [-0.4, -0.3, 0.0, 0.3], 2), grid("Other", [0.1, -0.3, 0.4, 0.3], 2)];
+    let head = HEAD.replace("name = \"all\"", "name = \"all\"\nnodes = [\"Quad\"]");
+    let bench = Bench::with(&Tiny::of(parts).json(), &format!("{head}{PIN}{rival}{other}{OUTPUT}"));
+    bench
+        .run("export shot.toml --to gltf")
+        .says(0, &["warning: frames 1 to 2: layer 'all': pins 'corner' and 'rival'"]);
+    let all = bench.run("export shot.toml --to lattice-json --layer all").says(0, &["'corner' and 'rival'"]);
+    assert_eq!(all.stderr.matches("'corner' and 'rival'").count(), 1, "{}", all.stderr);
+    let other = bench.run("export shot.toml --to lattice-json --layer other --overwrite").says(0, &[]);
+    assert!(!other.stderr.contains("rival"), "{}", other.stderr);
+}

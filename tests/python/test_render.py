@@ -101,6 +101,20 @@ def test_pins_and_lattices_agree(teapot):
     assert numpy.abs(rest - target).max() > 0.05
 
 
+def test_lattices_and_files_tell_what_a_check_tells(teapot):
+    text = teapot.read_text()
+    anchor = next(line for line in text.splitlines() if line.strip().startswith("anchor"))
+    rival = f'[[layer.pin]]\nname = "rival"\n{anchor.strip()}\nkeys = [{{ frame = 1, offset = [0.3, 0.3] }}]\n'
+    torn = teapot.with_name("torn.toml")
+    torn.write_text(text.replace("[output]", rival + "[output]") if "[output]" in text else text + rival)
+    shot = pinwarp.Shot(torn)
+    told = [(frame["frame"], warning) for frame in shot.check([1, 2])["frames"] for warning in frame["warnings"]]
+    assert any("rival" in warning for _, warning in told)
+    assert shot.lattices([1, 2]).warnings == told
+    written = shot.write([1, 2], device="cpu", existing="overwrite")["warnings"]
+    assert [tuple(warning) for warning in written] == told
+
+
 def test_a_scene_is_projected(teapot):
     scene = pinwarp.Scene(teapot.parent / "teapot.glb", camera="ShotCam", size=(160, 90))
     assert "Teapot" in scene.nodes and scene.cameras == ["ShotCam"]

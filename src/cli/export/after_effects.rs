@@ -105,8 +105,8 @@ impl<'a> Displacement<'a> {
         let reach = f64::from(note.reach_px);
         let written = write_frames(args, (maps, sequence), |path, metadata| {
             let map = maps.map(metadata.frame, drawings.as_mut())?;
-            maps.warn((metadata.frame, &map), prepared)?;
-            Ok(write_codes(path, maps.pixels(), &displacement(&map, reach), metadata)?)
+            write_codes(path, maps.pixels(), &displacement(&map, reach), metadata)?;
+            Ok(maps.fold_warning(&map))
         })?;
         replace_text(note_path, &note.text())?;
         print_written(pattern, &written)?;

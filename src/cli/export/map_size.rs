@@ -13,10 +13,7 @@ const DEFAULT_HEIGHT: f64 = 1080.0;
 
 /// Returns the size of the maps: the requested one, the shot's, or one of the shape of a lattice file.
 pub(super) fn map_size(args: &ExportArgs, source: &Source) -> anyhow::Result<FrameSize> {
-    let (aspect, of_shot) = match source {
-        Source::Shot(prepared) => (prepared.shot.size.aspect(), Some(prepared.shot.size)),
-        Source::Lattices(file) => (file.frame_aspect, None),
-    };
+    let (aspect, of_shot) = source.frame_shape();
     let Some([width, height]) = args.size else {
         let of_file = || FrameSize::new((DEFAULT_HEIGHT * aspect).round().max(1.0) as u32, DEFAULT_HEIGHT as u32);
         return Ok(squared(of_shot.unwrap_or_else(of_file)));

@@ -5,12 +5,13 @@
 use super::map_size::map_size;
 use super::source::Source;
 use crate::cli::args::ExportArgs;
+use crate::cli::warnings::Warnings;
 use crate::export::{LatticeFile, LatticeTrack, Track};
 use crate::image::{Depth, Existing, Expected, FrameMetadata, Inputs, SequencePath, check_kept};
 use crate::lattice::Lattice;
 use crate::pipeline::{
     PreparedShot, Silhouette, SurfaceMaps, Todo, digest_with, fields_of, lattices_of_file, parts_of_file,
-    refuse_existing, warnings_of_layer,
+    refuse_existing,
 };
 use crate::plate::{Field, SharedParts, WarpMap};
 use crate::shot::digest;
@@ -250,24 +251,8 @@ impl Maps {
         Ok(Drawings::Silhouette(Box::new(Silhouette::of(prepared, only))))
     }
 
-    /// Prints what is wrong with a frame: targets that its layers miss, borders that are displaced, folds of its map.
-    pub(super) fn warn(&self, (frame, map): (i32, &WarpMap), prepared: Option<&PreparedShot>) -> anyhow::Result<()> {
-        let mut warnings = Vec::new();
-        if let Some(prepared) = prepared {
-            let sample = prepared.mid_exposure(frame)?;
-            let layers = self.lattices.layers.iter().filter_map(|track| prepared.shot.layer_index(&track.name));
-            let told = layers.flat_map(|layer| warnings_of_layer(prepared, layer, &sample));
-            warnings.extend(told.map(|warning| format!("frame {frame}: {warning}")));
-        }
-        warnings.extend(self.fold_note(frame, map));
-        for warning in warnings {
-            writeln!(io::stderr(), "warning: {warning}")?;
-        }
-        Ok(())
-    }
-
-    /// Describes the folds of a frame's map; `None` if there are none.
-    fn fold_note(&self, frame: i32, map: &WarpMap) -> Option<String> {
+    /// Describes the folds of a map; `None` if there are none.
+    pub(super) fn fold_warning(&self, map: &WarpMap) -> Option<String> {
         let pixels = pluralised(map.folded_pixels.len(), "pixel", "pixels");
         let names: Vec<String> = self.lattices.layers.iter().map(|layer| format!("\"{}\"", layer.name)).collect();
         let layers = match &names[..] {
@@ -282,8 +267,7 @@ impl Maps {
         } else {
             "a map shows one part only; move pins less far, hold what folds with more pins, or export one layer (--layer)"
         };
-        (!map.folded_pixels.is_empty())
-            .then(|| format!("frame {frame}: the warp of {layers} folds over {pixels}: {remedy}"))
+        (!map.folded_pixels.is_empty()).then(|| format!("the warp of {layers} folds over {pixels}: {remedy}"))
     }
 }
 
@@ -360,11 +344,12 @@ pub(super) fn check_frames(
     Ok(sequence)
 }
 
-/// Writes the frames of a sequence from [`check_frames`]; with `--resume`, frames that are up to date are kept.
+/// Writes the frames of a sequence from [`check_frames`] and prints the warnings that `write` returns; with `--resume`,
+/// frames that are up to date are kept.
 pub(super) fn write_frames(
     args: &ExportArgs,
     (maps, sequence): (&Maps, &SequencePath),
-    mut write: impl FnMut(&Path, &FrameMetadata) -> anyhow::Result<()>,
+    mut write: impl FnMut(&Path, &FrameMetadata) -> anyhow::Result<Option<String>>,
 ) -> anyhow::Result<Written> {
     let existing = Existing::from(args.existing);
     let depth = if existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
@@ -376,10 +361,12 @@ pub(super) fn write_frames(
     for note in todo.notes() {
         writeln!(io::stderr(), "note: {note}")?;
     }
+    let mut warnings = Warnings::default();
     for &frame in &todo.frames {
         let path = sequence.path_of(frame);
-        write(&path, &maps.metadata(frame))?;
+        write(&path, &maps.metadata(frame))?.iter().for_each(|warning| warnings.add(frame, warning));
         tracing::info!("{} written", path.display());
     }
+    warnings.lines().try_for_each(|line| writeln!(io::stderr(), "{line}"))?;
     Ok(Written { new: todo.frames.len(), kept: todo.kept })
 }

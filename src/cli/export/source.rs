@@ -1,13 +1,17 @@
 //! The input, frames and output path of `pinwarp export`.
 //!
-//! In: the arguments. Out: a prepared shot or the lattices of a file; frame numbers; a writable path.
+//! In: the arguments. Out: a prepared shot or the lattices of a file; frame numbers; a writable path. A format gets the
+//! shot from here alone, and only after the warnings about its frames are printed, so that none leaves them out.
 
 use crate::cli::args::{ExportArgs, ExportFormat};
+use crate::cli::layer_notes::LayerNotes;
 use crate::cli::outputs;
+use crate::cli::warnings::Warnings;
 use crate::export::LatticeFile;
 use crate::image::{Existing, FileKind, Inputs};
-use crate::pipeline::{Keeping, PreparedShot, input_files, lattices, solve_before_frames};
+use crate::pipeline::{FrameChecks, Keeping, PreparedShot, input_files, lattices, solve_before_frames};
 use crate::shot::LayerSpace;
+use crate::space::FrameSize;
 use crate::spelling;
 use anyhow::{anyhow, bail};
 use std::io::{self, Write};
@@ -15,7 +19,9 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// The exported object.
-pub(super) enum Source {
+pub(super) struct Source(Opened);
+
+enum Opened {
     /// A shot with its scene.
     Shot(Box<PreparedShot>),
     /// Lattices solved earlier.
@@ -28,7 +34,7 @@ impl Source {
         if FileKind::of(&args.shot) == Some(FileKind::Json) {
             let file = LatticeFile::read(&args.shot)?;
             check_layers(args, file.layers.iter().map(|layer| &*layer.name))?;
-            return Ok(Self::Lattices(file));
+            return Ok(Self(Opened::Lattices(file)));
         }
         let mut shot = args.outside.read(&args.shot)?;
         check_layers(args, shot.layers.iter().filter(|layer| layer.is_moved()).map(|layer| &*layer.name))?;
@@ -42,28 +48,36 @@ impl Source {
         for note in &prepared.notes {
             writeln!(io::stderr(), "note: {note}")?;
         }
-        Ok(Self::Shot(Box::new(prepared)))
+        Ok(Self(Opened::Shot(Box::new(prepared))))
     }
 
-    /// Opens a shot, for exports that need its scene.
+    /// Opens and solves a shot, for exports that need its scene.
     pub(super) fn with_scene(args: &ExportArgs, why: &str) -> anyhow::Result<PreparedShot> {
-        match Self::open(args)? {
-            Self::Shot(prepared) => {
-                solve_before_frames(&prepared, &AtomicBool::new(false));
+        match Self::open(args)?.0 {
+            Opened::Shot(prepared) => {
+                solve(args, &prepared)?;
                 Ok(*prepared)
             }
-            Self::Lattices(_) => bail!("{} holds lattices only, and {why}; give the shot", args.shot.display()),
+            Opened::Lattices(_) => bail!("{} holds lattices only, and {why}; give the shot", args.shot.display()),
         }
     }
 
     /// Returns all files that are read, so that none is overwritten.
     pub(super) fn inputs(&self, args: &ExportArgs) -> anyhow::Result<Inputs> {
-        let mut inputs = match self {
-            Self::Shot(prepared) => input_files(prepared)?,
-            Self::Lattices(_) => Inputs::default(),
+        let mut inputs = match &self.0 {
+            Opened::Shot(prepared) => input_files(prepared)?,
+            Opened::Lattices(_) => Inputs::default(),
         };
         inputs.add(&args.shot);
         Ok(inputs)
+    }
+
+    /// Returns the frame's width relative to its height, and its size; lattice files do not store the size.
+    pub(super) fn frame_shape(&self) -> (f64, Option<FrameSize>) {
+        match &self.0 {
+            Opened::Shot(prepared) => (prepared.shot.size.aspect(), Some(prepared.shot.size)),
+            Opened::Lattices(file) => (file.frame_aspect, None),
+        }
     }
 
     /// Returns the lattices of the selected frames and layers, and the shot that they were solved for.
@@ -79,14 +93,14 @@ impl Source {
     }
 
     fn lattices_of_all_layers(self, args: &ExportArgs) -> anyhow::Result<(LatticeFile, Option<Box<PreparedShot>>)> {
-        match self {
-            Self::Shot(prepared) => {
-                solve_before_frames(&prepared, &AtomicBool::new(false));
+        match self.0 {
+            Opened::Shot(prepared) => {
+                solve(args, &prepared)?;
                 let file =
                     lattices(&prepared, &frames(args, &prepared), |frame| tracing::info!("frame {frame} solved"))?;
                 Ok((file, Some(prepared)))
             }
-            Self::Lattices(file) => {
+            Opened::Lattices(file) => {
                 let asked = match &args.frames {
                     Some(list) => file.of_frames(&list.0),
                     None => Some(file),
@@ -96,6 +110,21 @@ impl Source {
             }
         }
     }
+}
+
+/// Solves the layers over time, and prints the notes and warnings that a render of the exported frames would give about the exported
+/// layers.
+fn solve(args: &ExportArgs, prepared: &PreparedShot) -> anyhow::Result<()> {
+    solve_before_frames(prepared, &AtomicBool::new(false));
+    let is_exported = |layer: usize| args.layer.is_empty() || args.layer.contains(&prepared.shot.layers[layer].name);
+    let (mut checks, mut notes, mut warnings) = (FrameChecks::default(), LayerNotes::default(), Warnings::default());
+    for frame in frames(args, prepared) {
+        let report = checks.report(prepared, frame, is_exported)?;
+        notes.new_lines(&report.notes).iter().try_for_each(|line| writeln!(io::stderr(), "{line}"))?;
+        report.warnings.iter().for_each(|warning| warnings.add(frame, warning));
+    }
+    warnings.lines().try_for_each(|line| writeln!(io::stderr(), "{line}"))?;
+    Ok(())
 }
 
 /// Refuses names of layers that are not warped, before anything is solved.

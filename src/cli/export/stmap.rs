@@ -28,8 +28,8 @@ pub(super) fn write(
     let sequence = check_frames(args, (pattern, &maps.inputs), &maps.frames)?;
     write_frames(args, (maps, &sequence), |path, metadata| {
         let map = maps.map(metadata.frame, drawings.as_mut())?;
-        maps.warn((metadata.frame, &map), prepared)?;
-        Ok(write_exr(path, &stmap_of(&map), metadata, Compression::Zip)?)
+        write_exr(path, &stmap_of(&map), metadata, Compression::Zip)?;
+        Ok(maps.fold_warning(&map))
     })
 }
 

@@ -57,7 +57,7 @@ struct FramePoints {
 }
 
 impl JerkMeter {
-    /// Adds the jerk of every layer to a frame's report, and a warning if it is excessive. The result is the same for a
+    /// Adds the jerk of every layer in a frame's report, and a warning if it is excessive. The result is the same for a
     /// single frame as in a sequence. The first three frames of a shot have none.
     pub(crate) fn watch(&mut self, prepared: &PreparedShot, sample: &TimeSample, report: &mut FrameReport) {
         self.look_back(prepared, report.frame);
@@ -66,7 +66,10 @@ impl JerkMeter {
             let Some((jerk, unrest_px)) = self.jerk(&now, index, f64::from(prepared.shot.size.height)) else {
                 continue;
             };
-            report.layers.iter_mut().filter(|told| told.layer == layer.name).for_each(|told| told.jerk = Some(jerk));
+            let Some(reported) = report.layers.iter_mut().find(|reported| reported.layer == layer.name) else {
+                continue;
+            };
+            reported.jerk = Some(jerk);
             // The keys of a transferred lattice are in another shot, so its input is unknown here.
             let is_followed = layer.transfer.is_none();
             let is_uneven = jerk.warp_px > VISIBLE_PX.max(MAX_AMPLIFICATION * unrest_px);

@@ -2,6 +2,8 @@
 //!
 //! In: [`FrameJob`]s. Out: [`Drawn`] frames, cropped to the covered pixels.
 
+#[cfg(feature = "cli")]
+pub(super) mod frame_checks;
 pub(super) mod geometry_thread;
 pub(super) mod jerk;
 pub(super) mod overlaps;

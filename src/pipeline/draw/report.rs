@@ -20,10 +20,20 @@ const HANDLE_TOLERANCE_M: f64 = 5e-5;
 /// Returns the report of the solves of a frame.
 #[must_use]
 pub fn report(prepared: &PreparedShot, frame: i32, sample: &TimeSample) -> FrameReport {
+    report_of_layers(prepared, (frame, sample), |_| true)
+}
+
+/// Returns the report of the solves of those layers for which `includes_layer` is true.
+pub(super) fn report_of_layers(
+    prepared: &PreparedShot,
+    (frame, sample): (i32, &TimeSample),
+    includes_layer: impl Fn(usize) -> bool,
+) -> FrameReport {
     let mut report = FrameReport { frame, ..FrameReport::default() };
     let height_px = f64::from(prepared.shot.size.height);
     let mesh = sample.mesh();
-    for (index, (layer, state)) in prepared.shot.layers.iter().zip(&sample.layers).enumerate() {
+    let layers = prepared.shot.layers.iter().zip(&sample.layers).enumerate();
+    for (index, (layer, state)) in layers.filter(|(index, _)| includes_layer(*index)) {
         let is_in_sight = screen_bounds(prepared, index, &sample.pose, &mesh, &sample.camera).is_some();
         if !is_in_sight {
             let text = "nothing of it is in sight (behind the camera or far outside the frame); check the camera, and the layer's nodes";
