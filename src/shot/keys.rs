@@ -154,10 +154,31 @@ impl Pin {
         self.keys.iter().map(|key| key.frame).chain(rotation).chain(self.scale_keys.iter().map(|key| key.frame))
     }
 
+    /// Whether its only key holds the pin in its place, like that of a pin without keys in the file.
+    pub(super) fn rests(&self) -> bool {
+        let is_at_rest = |key: &PinKey| {
+            let is_zero = match key.goal {
+                Goal::Offset(offset) => offset == ScreenVector::default(),
+                Goal::SceneOffset(offset) => offset == [0.0; 3],
+                Goal::Target(_) | Goal::SceneTarget(_) => false,
+            };
+            is_zero && key.rotate_degrees.is_none() && key.scale.is_none()
+        };
+        let has_own_channels = !self.rotate_keys.is_empty() || !self.scale_keys.is_empty();
+        matches!(&self.keys[..], [only] if is_at_rest(only)) && !has_own_channels
+    }
+
     /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
     #[must_use]
     pub(crate) fn keyed_target(&self, frame: f64) -> PinTarget {
         pin_at(self, KeyedChannels::of(self), frame, 1.0)
+    }
+}
+
+impl HandleTrack {
+    /// Whether its only key holds the handle in its place, like that of a handle without keys in the file.
+    pub(super) fn rests(&self) -> bool {
+        matches!(&self.keys[..], [only] if only.offset == [0.0; 3])
     }
 }
 

@@ -37,8 +37,9 @@ fn notes_of(layer: &Layer, frames: FrameRange) -> Vec<String> {
             ));
         }
     }
-    let pins = layer.pins.iter().flat_map(Pin::key_frames);
-    let keys = pins.chain(layer.handles.iter().flat_map(|handle| &handle.keys).map(|key| key.frame));
+    let pins = layer.pins.iter().filter(|pin| !pin.rests()).flat_map(Pin::key_frames);
+    let handles = layer.handles.iter().filter(|handle| !handle.rests());
+    let keys = pins.chain(handles.flat_map(|handle| &handle.keys).map(|key| key.frame));
     let outside: Vec<f64> = keys.filter(|&key| key < f64::from(first) || key > f64::from(last)).collect();
     if let Some(example) = outside.first() {
         notes.push(format!(

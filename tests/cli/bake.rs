@@ -1,6 +1,7 @@
 //! `pinwarp bake`: trajectories solved ahead, kept beside the frames, the same as those solved on the spot.
 
 use crate::support::{Bench, HEAD, OUTPUT, PIN, PROGRAM, names_in, with_slashes};
+use crate::tiny::{Tiny, grid};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
@@ -130,6 +131,54 @@ fn a_changed_shape_is_solved_again_and_a_trim_is_not() {
     let scene = String::from_utf8(bench.read("tiny.gltf")).expect("JSON");
     bench.write("tiny.gltf", scene.replace("\"Quad\"", "\"Quad\" ").as_bytes());
     bench.run("bake shot.toml").says(0, &["1 layer solved"]);
+}
+
+/// Bakes a shot into an empty folder, and returns the names and bytes of its trajectories.
+fn baked(bench: &Bench, text: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    _ = std::fs::remove_dir_all(bench.path(FOLDER));
+    bench.write("shot.toml", text.as_bytes());
+    bench.run("bake shot.toml").says(0, &["1 layer solved"]);
+    trajectories(bench).into_iter().map(|file| (file.clone(), std::fs::read(&file).expect("it is there"))).collect()
+}
+
+#[test]
+fn trimming_the_head_and_another_shutter_name_and_solve_the_same_trajectory() {
+    const RESTING: &str = "\n[[layer.pin]]\nanchor = { node = \"Quad\", triangle = 1, barycentric = [0.0, 1.0, 0.0] }\n\
+                           [[layer.handle]]\nindex = [1, 1]\n";
+    let ranged = timed()
+        .replace("samples = 1", "samples = 1\ncamera = { yaw = 10 }\nshutter = { angle = 0 }\nsolve_range = [1, 9]")
+        .replace(OUTPUT, &format!("{RESTING}{OUTPUT}"));
+    let on_twos = ranged.replace("name = \"all\"", "name = \"all\"\nstep = 2");
+    let bench = Bench::new();
+    let (whole, twos) = (baked(&bench, &ranged), baked(&bench, &on_twos));
+    for (text, whole, from, to, is_same) in [
+        (&ranged, &whole, "first = 1,", "first = 4,", true),
+        (&ranged, &whole, "{ angle = 0", "{ angle = 180, phase = 0", true),
+        (&ranged, &whole, "solve_range = [1, 9]", "solve_range = [2, 9]", false),
+        (&ranged, &whole, "yaw = 10", "yaw = 11", false),
+        (&on_twos, &twos, "first = 1,", "first = 5,", true),
+        (&on_twos, &twos, "first = 1,", "first = 4,", false),
+        (&on_twos, &twos, "{ angle = 0", "{ angle = 180", true),
+        (&on_twos, &twos, "{ angle = 0", "{ angle = 180, phase = 0", false),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let found = baked(&bench, &text.replace(from, to));
+        // Files begin with their digest, so equal bytes also mean equal names.
+        assert_eq!(found == *whole, is_same, "{to}: {:?} instead of {:?}", found[0].0, whole[0].0);
+    }
+}
+
+#[test]
+fn a_clip_starts_where_the_shot_says_and_counts_only_where_it_moves_something() {
+    let ranged = timed().replace("samples = 1", "samples = 1\nsolve_range = [1, 9]");
+    let clip = |start: i32| ranged.replace("rate = 24", &format!("rate = 24, clip_start = {start}"));
+    let still = Bench::new();
+    assert_eq!(baked(&still, &clip(1)), baked(&still, &clip(3)));
+    let mut part = grid("Quad", [-0.4, -0.3, 0.4, 0.3], 2);
+    part.velocity = [0.5, 0.0, 0.0];
+    let moving = Bench::with_scene(&Tiny::of(vec![part]).json());
+    let [early, late] = [1, 3].map(|start| baked(&moving, &clip(start)));
+    assert_ne!(early[0].0, late[0].0);
 }
 
 #[test]

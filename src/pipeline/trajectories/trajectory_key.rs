@@ -1,11 +1,14 @@
 //! Derives the name of a trajectory's file from the inputs of the trajectory.
 //!
 //! In: a [`PreparedShot`] and a layer. Out: a [`FileKey`], which is the same exactly where the same bits would be
-//! computed. The frames of the shot, the pins of other screen layers, and the locations of files do not count.
+//! computed. The frames of the shot, its shutter, the pins of other screen layers, and the locations of files do not
+//! count, but for layers on twos the first frame modulo the step and the middle of the shutter do.
 
 use super::trajectory_files::FileKey;
 use crate::pipeline::PreparedShot;
+use crate::pipeline::draw::passes::mid_shutter;
 use crate::pipeline::run::contents;
+use crate::pose::is_still;
 use crate::shot::LayerSpace;
 use std::fmt::{self, Debug, Write};
 use std::path::{Path, PathBuf};
@@ -37,8 +40,11 @@ impl PreparedShot {
         digest.add(&self.contents_digest());
         let Self { shot, assignment, camera, clip, .. } = self;
         let frames = shot.frames;
-        digest.add(&(shot.solve_range, frames.rate, frames.clip_start, shot.is_looped, clip, camera));
-        digest.add(&(shot.size.aspect(), shot.size.pixel_aspect, shot.shutter, &shot.visibility, shot.allow_outside));
+        digest.add(&(shot.solve_range, camera));
+        // Frames become seconds only for the clip.
+        let has_clip = !is_still(&self.scene, *clip);
+        digest.add(&has_clip.then_some((frames.rate, frames.clip_start, shot.is_looped, clip)));
+        digest.add(&(shot.size.aspect(), shot.size.pixel_aspect, &shot.visibility, shot.allow_outside));
         digest.add(assignment);
         // World layers move what screen layers see.
         let is_world = |index: &usize| matches!(shot.layers[*index].space, LayerSpace::World { .. });
@@ -54,8 +60,9 @@ impl PreparedShot {
         plain.transfer.iter_mut().for_each(|transfer| transfer.file = name_of(&transfer.file));
         plain.selection.mask.iter_mut().for_each(|mask| mask.file = name_of(&mask.file));
         digest.add(&plain);
-        // Layers on twos count from the first frame.
-        digest.add(&(layer.step > 1).then_some(self.shot.frames.first));
+        // Layers on twos count their drawings from the first frame, and are solved in the middle of exposures.
+        let first_drawing = i64::from(self.shot.frames.first).rem_euclid(i64::from(layer.step));
+        digest.add(&(layer.step > 1).then_some((first_drawing, mid_shutter(self.shot.shutter))));
         let inputs = &self.layer_inputs;
         digest.add(&(
             &inputs.anchors[index],

@@ -10,8 +10,8 @@ use crate::shot::{CameraAim, CameraKey, CameraLens, CameraRule, Ease, LookAt, Ow
 const DEFAULT_FOV_DEGREES: f64 = 30.0;
 
 impl Check<'_> {
-    /// Checks the camera; `first_frame`: the frame of the implicit key of a camera without keys.
-    pub(super) fn camera(&mut self, raw: Option<RawCamera>, (first_frame, source): (i32, Kind)) -> CameraRule {
+    /// Checks the camera; `implicit_frame`: the frame of the implicit key of a camera without keys.
+    pub(super) fn camera(&mut self, raw: Option<RawCamera>, (implicit_frame, source): (i32, Kind)) -> CameraRule {
         match raw {
             None => CameraRule::Automatic,
             Some(RawCamera::Named(name)) => CameraRule::Named(name),
@@ -23,14 +23,14 @@ impl Check<'_> {
                 );
                 CameraRule::Automatic
             }
-            Some(RawCamera::Own(camera)) => CameraRule::Own(self.own_camera(&camera, first_frame)),
+            Some(RawCamera::Own(camera)) => CameraRule::Own(self.own_camera(&camera, implicit_frame)),
         }
     }
 
-    fn own_camera(&mut self, raw: &RawShotCamera, first_frame: i32) -> OwnCamera {
+    fn own_camera(&mut self, raw: &RawShotCamera, implicit_frame: i32) -> OwnCamera {
         if raw.keys.is_empty() {
             self.exclusive(&raw.state, "camera");
-            return OwnCamera { keys: vec![camera_key((f64::from(first_frame), Ease::default()), &raw.state)] };
+            return OwnCamera { keys: vec![camera_key((f64::from(implicit_frame), Ease::default()), &raw.state)] };
         }
         let mut keys: Vec<CameraKey> = Vec::with_capacity(raw.keys.len());
         for (index, key) in raw.keys.iter().enumerate() {

@@ -100,7 +100,7 @@ impl Check<'_> {
             let hint = format!("make a cut for each: [{{ stroke = .., frame = .. }}, {{ {other} = .. }}]");
             self.fault(&format!("{key}.{other}"), "`stroke` stands alone", hint);
         }
-        let (frame, surface) = (raw.frame.unwrap_or(shot.first_frame), surface(raw.open));
+        let (frame, surface) = (raw.frame.unwrap_or(shot.reference_frame), surface(raw.open));
         Some(Cut::SceneStroke { points: points.clone(), frame, surface })
     }
 

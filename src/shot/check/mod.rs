@@ -93,10 +93,11 @@ impl Check<'_> {
         let frames = self.frames(&raw.frames);
         let plate = raw.plate.as_deref().map(|path| self.plate_path(path, "plate"));
         let size = self.size(&raw, &source, (plate.as_deref(), &frames));
+        let solve_range = self.solve_range(raw.solve_range, frames);
         let defaults = LayerDefaults {
             step: raw.step,
             strength: raw.strength,
-            first_frame: frames.first,
+            reference_frame: solve_range[0],
             size,
             space: RawSpace::Screen,
             source: Kind::of(&source),
@@ -107,13 +108,13 @@ impl Check<'_> {
             lines: KeyLines::default(),
             plate,
             warp,
-            camera: self.camera(raw.camera, (frames.first, Kind::of(&source))),
+            camera: self.camera(raw.camera, (solve_range[0], Kind::of(&source))),
             visibility: self.visibility((raw.hide, raw.show), Kind::of(&source)),
             allow_outside: false,
             clip: raw.frames.clip.map(ClipName::from),
             is_looped: raw.frames.is_looped,
             frames,
-            solve_range: self.solve_range(raw.solve_range, frames),
+            solve_range,
             shutter: raw.shutter.map_or(Shutter::CLOSED, Shutter::from),
             size,
             samples: raw.samples,
@@ -167,7 +168,8 @@ impl Check<'_> {
 struct LayerDefaults {
     step: u32,
     strength: f64,
-    first_frame: i32,
+    /// The first frame that is solved, where implicit keys lie: trimming `frames` does not move them.
+    reference_frame: i32,
     size: FrameSize,
     /// The space of the layer's lattice.
     space: RawSpace,

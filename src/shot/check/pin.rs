@@ -80,7 +80,7 @@ impl Check<'_> {
         }
         self.screen_unit(&at, &format!("{key}.screen"), shot);
         if shot.space == RawSpace::World && raw.frame.is_none() {
-            let hint = format!("add frame = {}, or write what `pinwarp pick` prints", shot.first_frame);
+            let hint = format!("add frame = {}, or write what `pinwarp pick` prints", shot.reference_frame);
             self.fault(key, "a world layer's pins hold points of the model, this is a point of the screen", hint);
         }
         Anchor::Screen { at: ScreenPoint::new(at[0], at[1]), frame: raw.frame }
@@ -191,7 +191,7 @@ impl Check<'_> {
             keys.push(HandleKey { frame: raw_key.frame, offset, ease: raw_key.ease });
         }
         if keys.is_empty() {
-            keys.push(HandleKey { frame: f64::from(shot.first_frame), offset: [0.0; 3], ease: Ease::Linear });
+            keys.push(HandleKey { frame: f64::from(shot.reference_frame), offset: [0.0; 3], ease: Ease::Linear });
         }
         keys
     }
@@ -243,5 +243,5 @@ fn resting_key(shot: &LayerDefaults) -> PinKey {
         RawSpace::Screen => Goal::Offset(ScreenVector::default()),
         RawSpace::World => Goal::SceneOffset([0.0; 3]),
     };
-    PinKey { frame: f64::from(shot.first_frame), goal, rotate_degrees: None, scale: None, ease: Ease::Linear }
+    PinKey { frame: f64::from(shot.reference_frame), goal, rotate_degrees: None, scale: None, ease: Ease::Linear }
 }
