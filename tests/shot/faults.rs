@@ -108,6 +108,20 @@ fn ranges() {
 }
 
 #[test]
+fn numbers_are_taken_for_pixels_by_the_shape_of_the_frame() {
+    let long = |size: &str, x: &str| {
+        let text = replaced(&replaced(GOOD, "[1920, 1080]", size), "screen = [0.91,", &format!("screen = [{x},"));
+        parse(&text).err().map(|error| error.to_string())
+    };
+    for (size, x) in [("[64, 1]", "63.5"), ("[500, 3]", "166.0"), ("[1920, 1080]", "31.0")] {
+        assert_eq!(long(size, x), None, "{size} {x}");
+    }
+    for (size, x) in [("[64, 1]", "129.0"), ("[500, 3]", "499.5"), ("[1920, 1080]", "33.0"), ("[1, 64]", "33.0")] {
+        assert!(long(size, x).is_some_and(|error| error.contains("look like pixels")), "{size} {x}");
+    }
+}
+
+#[test]
 fn layers() {
     const TWIN: &str = "[[layer]]\nname = \"body\"\n[output]";
     check(&[

@@ -13,6 +13,9 @@ use crate::spelling::number;
 /// Magnitude in frame heights (or box sizes) above which a number must have been meant as pixels.
 const LARGEST_COORDINATE: f64 = 32.0;
 
+/// Magnitude in widths of the frame up to which a number in frame heights is never taken for pixels.
+const WIDTHS_BEYOND: f64 = 2.0;
+
 /// Allowed deviation of the sum of barycentric weights from 1: they are often written by hand with three digits.
 const BARYCENTRIC_TOLERANCE: f64 = 1e-3;
 
@@ -221,9 +224,10 @@ impl Check<'_> {
         self.fault(key, format!("{} box sizes look like pixels", number(*value)), hint);
     }
 
-    /// Reports numbers that cannot be in frame heights.
+    /// Reports numbers that cannot be in frame heights. In a long frame they may be as large as it is wide, or a few widths beyond.
     pub(super) fn screen_unit(&mut self, values: &[f64], key: &str, shot: &LayerDefaults) {
-        let Some(value) = values.iter().find(|value| value.abs() > LARGEST_COORDINATE) else { return };
+        let largest = LARGEST_COORDINATE.max(WIDTHS_BEYOND * shot.size.aspect());
+        let Some(value) = values.iter().find(|value| value.abs() > largest) else { return };
         let height = shot.size.height;
         let in_heights = rounded(value / f64::from(height.max(1)));
         let [value, in_heights] = [*value, in_heights].map(number);
