@@ -4,6 +4,7 @@
 
 use super::accessor::Integers;
 use super::file::File;
+use super::limits::{LARGEST, is_usable};
 use super::nodes::{self, Tree};
 use super::{Clip, Interpolation, Node, Placement, SceneError, Track, TrackValues};
 use crate::spelling::pluralised;
@@ -180,7 +181,10 @@ impl Keys<'_> {
 
     fn floats(&self, accessor: Index<Accessor>, kind: Type, integers: Integers) -> Result<Vec<f32>, SceneError> {
         let values = self.file.floats(accessor, &[kind], integers, format_args!("{}", self.label))?.values;
-        match values.iter().position(|value| !value.is_finite()) {
+        match values.iter().find(|value| !is_usable(**value)) {
+            Some(value) if value.is_finite() => {
+                Err(self.fault(&format!("the value {value:e}, which is beyond {LARGEST:e}")))
+            }
             Some(_) => Err(self.fault("a value that is not a finite number")),
             None => Ok(values),
         }

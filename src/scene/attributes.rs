@@ -4,6 +4,7 @@
 
 use super::accessor::{Floats, Integers};
 use super::file::File;
+use super::limits::{LARGEST, is_usable};
 use super::{Influence, MorphTarget, SceneError};
 use crate::spelling::pluralised;
 use glam::{Vec2, Vec3, Vec4};
@@ -130,9 +131,11 @@ impl Attributes<'_> {
             Ok(floats.map(Vec3::from_array))
         };
         let positions = read(json.positions, "POSITION")?;
-        if let Some(vertex) = positions.iter().position(|by| !by.is_finite()) {
+        if let Some(vertex) = positions.iter().position(|by| !by.to_array().into_iter().all(is_usable)) {
             let label = self.label;
-            let what = format!("{label}, morph target {number}: vertex {vertex} is not moved by a finite number");
+            let what = format!(
+                "{label}, morph target {number}: vertex {vertex} is not moved by a finite number, or beyond {LARGEST:e}"
+            );
             return Err(self.file.invalid(what));
         }
         let mut normals = read(json.normals, "NORMAL")?;

@@ -5,6 +5,7 @@
 use super::SceneError;
 use super::accessor::Integers;
 use super::file::File;
+use super::limits::{LARGEST, is_usable};
 use super::nodes::{name, unit};
 use crate::spelling::pluralised;
 use glam::{Quat, Vec3};
@@ -128,10 +129,11 @@ fn placements(file: &File, body: &Value, (name, count): (&str, usize)) -> Result
         let Some(accessor) = accessor(body, attribute) else { return Ok(None) };
         let what = format_args!("node \"{name}\", {EXTENSION}, {attribute}");
         let floats = file.floats(accessor, &[kind], integers, what)?;
-        match floats.values.iter().position(|value| !value.is_finite()) {
+        match floats.values.iter().position(|value| !is_usable(*value)) {
             Some(value) => {
                 let instance = value / floats.width;
-                Err(file.invalid(format!("node \"{name}\": {attribute} of instance {instance} is not a finite number")))
+                let what = format!("{attribute} of instance {instance} is not a finite number, or beyond {LARGEST:e}");
+                Err(file.invalid(format!("node \"{name}\": {what}")))
             }
             None => Ok(Some(floats)),
         }

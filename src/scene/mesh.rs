@@ -6,6 +6,7 @@
 use super::accessor::Integers;
 use super::attributes::{Attributes, Label};
 use super::file::File;
+use super::limits::{LARGEST, is_usable};
 use super::nodes::Used;
 use super::{Material, Mesh, Primitive, SceneError, geometry, lines, tangents, vertices};
 use crate::spelling::pluralised;
@@ -165,8 +166,10 @@ impl Loader<'_> {
 fn positions(file: &File, accessor: Index<Accessor>, label: Label<'_>) -> Result<Vec<Vec3>, SceneError> {
     let what = format_args!("{label}, POSITION");
     let positions = file.floats(accessor, &[Type::Vec3], Integers::AsFlagged, what)?.map(Vec3::from_array);
-    match positions.iter().position(|position| !position.is_finite()) {
-        Some(vertex) => Err(file.invalid(format!("{label}: the position of vertex {vertex} is not a finite number"))),
+    match positions.iter().position(|position| !position.to_array().into_iter().all(is_usable)) {
+        Some(vertex) => Err(file.invalid(format!(
+            "{label}: the position of vertex {vertex} is not a finite number, or beyond {LARGEST:e}"
+        ))),
         None if u32::try_from(positions.len()).is_err() => Err(file.invalid(format!("{label} has too many vertices"))),
         None => Ok(positions),
     }

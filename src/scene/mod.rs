@@ -16,6 +16,7 @@ mod find;
 mod geometry;
 mod instances;
 mod json;
+mod limits;
 mod lines;
 mod load;
 mod material;

@@ -3,6 +3,7 @@
 //! In: the JSON. Out: the nodes of the default scene, parents first, and the objects that they refer to, renumbered.
 
 use super::file::File;
+use super::limits::{LARGEST, is_usable};
 use super::{Camera, Lens, Light, LightKind, Node, Placement, SceneError};
 use glam::{Mat4, Quat, Vec3};
 use gltf::json::camera::Type as CameraType;
@@ -147,7 +148,9 @@ fn load_node(file: &File, index: usize, parent: Option<usize>, used: &mut Refere
     let light = light.map(|light| check(light.light.value(), lights, "lights")).transpose()?;
     Ok(Node {
         parent,
-        rest: placement(node).ok_or_else(|| file.invalid(format!("the placement of node \"{name}\" is not finite")))?,
+        rest: placement(node).ok_or_else(|| {
+            file.invalid(format!("the placement of node \"{name}\" is not finite, or beyond {LARGEST:e}"))
+        })?,
         mesh: mesh.map(|mesh| used.meshes.of(mesh)),
         // A skin without a mesh has no effect.
         skin: skin.filter(|_| mesh.is_some()).map(|skin| used.skins.of(skin)),
@@ -158,17 +161,17 @@ fn load_node(file: &File, index: usize, parent: Option<usize>, used: &mut Refere
     })
 }
 
-/// Returns the transform of a node; `None` if a number is not finite.
+/// Returns the transform of a node; `None` if a number is not finite or too large.
 fn placement(node: &json::Node) -> Option<Placement> {
     if let Some(columns) = node.matrix {
         let matrix = Mat4::from_cols_array(&columns);
-        return matrix.is_finite().then_some(Placement::Matrix(matrix));
+        return columns.into_iter().all(is_usable).then_some(Placement::Matrix(matrix));
     }
     let translation = Vec3::from(node.translation.unwrap_or_default());
     let rotation = Quat::from_array(node.rotation.unwrap_or_default().0);
     let scale = node.scale.map_or(Vec3::ONE, Vec3::from);
-    let is_finite = translation.is_finite() && rotation.is_finite() && scale.is_finite();
-    is_finite.then(|| Placement::Trs { translation, rotation: unit(rotation), scale })
+    let are_usable = [translation, scale].into_iter().all(|by| by.to_array().into_iter().all(is_usable));
+    (are_usable && rotation.is_finite()).then(|| Placement::Trs { translation, rotation: unit(rotation), scale })
 }
 
 /// Returns the rotation of a quaternion of any length; the identity for the zero quaternion.

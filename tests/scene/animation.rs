@@ -161,6 +161,17 @@ fn damaged_tracks_are_errors_that_name_clip_and_node() {
     let mut endless = Doc::triangle();
     endless.clip(0, "scale", "LINEAR", (&[0.0], "VEC3", &[0.0, f32::INFINITY, 0.0]));
     assert!(endless.fault().contains("not a finite number"));
+    let mut far = Doc::triangle();
+    far.clip(0, "translation", "LINEAR", (&[0.0], "VEC3", &[0.0, -1e30, 0.0]));
+    let told = far.fault();
+    assert!(
+        told.contains("clip \"clip_0\", channel 0 (node \"Thing\") has the value -1e30, which is beyond 1e15"),
+        "{told}"
+    );
+    let mut node = Doc::triangle();
+    node.json["nodes"][0]["translation"] = json!([0.0, 1e30, 0.0]);
+    let told = node.fault();
+    assert!(told.contains("the placement of node \"Thing\" is not finite, or beyond 1e15"), "{told}");
 }
 
 /// Two joints: the lower at the origin, the upper one metre above it; three vertices at heights 0, 1 and 2.
