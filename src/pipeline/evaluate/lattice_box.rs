@@ -36,12 +36,13 @@ pub(in crate::pipeline) fn screen_box(
             Some(ScreenBox::new(ScreenPoint::default(), corner).into())
         }
         BoxRule::Follow => {
-            let now = screen_bounds(prepared, index, &sample.pose, &sample.mesh(), &sample.camera);
+            // Where nothing is near the frame there is nothing to warp: the box of neighbouring frames would not hold the pins.
+            let now = screen_bounds(prepared, index, &sample.pose, &sample.mesh(), &sample.camera)?;
             let window = SmoothingWindow::new(sample.frame);
             let at = |frame: i32| (frame, screen_bounds_at(prepared, index, frame));
             let frames = window.frames_without_cut(|frame| is_cut_after(prepared, frame));
             let neighbours: Vec<_> = frames.map(at).collect();
-            Some(axes.rotated_box(thickened(window.smooth(&neighbours, now)?, MIN_SIDE)))
+            Some(axes.rotated_box(thickened(window.smooth(&neighbours, Some(now))?, MIN_SIDE)))
         }
     }
 }
