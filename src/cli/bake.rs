@@ -14,8 +14,9 @@ pub(super) fn run(args: &BakeArgs) -> anyhow::Result<Outcome> {
     args.camera.choose(&mut shot);
     let output = args.output.clone().unwrap_or_else(|| shot.output.path.clone());
     SequencePath::parse(&output)?;
-    let cancel = cancel_on_interrupt()?;
     let prepared = PreparedShot::new(shot)?.keeping_trajectories([output.as_path()], Keeping::Write);
+    // Until here Ctrl-C ends the program at once: nothing is written yet.
+    let cancel = cancel_on_interrupt()?;
     let printer = EventPrinter::new(args.progress.into());
     let summary = solve_ahead(&prepared, &cancel, &|event| printer.print_bake(&event));
     printer.end()?;

@@ -34,10 +34,11 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
         durability: args.fsync.into(),
         inputs,
     };
-    let cancel = cancel_on_interrupt()?;
     let outputs = [shot.output.path.clone(), own_output];
     let outputs = outputs.iter().map(PathBuf::as_path);
     let prepared = PreparedShot::new(shot)?.keeping_trajectories(outputs, Keeping::Write);
+    // Until here Ctrl-C ends the program at once: nothing is written yet.
+    let cancel = cancel_on_interrupt()?;
     let printer = EventPrinter::new(args.progress.into());
     let summary = pipeline::render(&prepared, &options, &cancel, &|event| printer.print_render(&event))?;
     printer.end()?;

@@ -3,7 +3,7 @@
 //! In: a layer's mesh at rest. Out: [`Slenderness`].
 
 use super::rest_mesh::RestMesh;
-use crate::solve::{inner_widths, link_length, solid_links};
+use crate::solve::{inner_widths, link_length, sampled_solid_links};
 
 /// Quantile of a layer's widths that counts as its thickness; the narrower ones are corners and tips.
 const THINNER: f64 = 0.15;
@@ -31,7 +31,7 @@ impl Slenderness {
 
 /// Returns the thickness of a mesh: measured through a solid, or across a flat picture.
 fn thickness(mesh: &RestMesh) -> Option<f64> {
-    let links = solid_links(&mesh.points, &mesh.triangles, PITCH, None);
+    let links = sampled_solid_links(&mesh.points, &mesh.triangles, PITCH);
     let widths: Vec<f64> = if links.is_empty() {
         inner_widths(&mesh.flat(), &mesh.triangles)
     } else {

@@ -68,16 +68,16 @@ fn width(
     outline: &[[[f64; 2]; 2]],
     (number, start, direction): (usize, [f64; 2], [f64; 2]),
 ) -> Option<f64> {
-    let met = tree.locate_with_selection_function(Ray { start, direction }).filter(|side| side.data != number);
-    let distances = met.filter_map(|side| {
+    let ray = Ray { start, direction };
+    let nearest = ray.nearest_hit(tree, |side| {
         let [from, to] = outline[side.data];
         let (along, gap) = ([to[0] - from[0], to[1] - from[1]], [from[0] - start[0], from[1] - start[1]]);
         let det = direction[0] * along[1] - direction[1] * along[0];
         let t = (gap[0] * along[1] - gap[1] * along[0]) / det;
         let s = (gap[0] * direction[1] - gap[1] * direction[0]) / det;
-        (det != 0.0 && t > 0.0 && (0.0..=1.0).contains(&s)).then_some(t)
+        (side.data != number && det != 0.0 && t > 0.0 && (0.0..=1.0).contains(&s)).then_some((t, side.data))
     });
-    distances.reduce(f64::min)
+    nearest.map(|(t, _)| t)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! In: points and triangles at rest, 2D or 3D. Out: [`Link`]s.
 
 use super::disjoint_sets::DisjointSets;
-use super::islands::{Corner, Islands};
+use super::islands::Islands;
 use super::link::{Link, LinkEnd, LinkKind};
 use super::nearest_point::nearest_barycentric;
 use crate::solve::counting_sort::counting_sort_then_by;
@@ -88,8 +88,8 @@ pub(crate) fn nearest_link<const D: usize>(
     triangles: &[[u32; 3]],
     sides: [&[usize]; 2],
 ) -> Option<Link> {
-    let corners = |side: &[usize]| -> Vec<Corner<D>> {
-        let corner = |number: usize| Corner::new(points[triangles[number / 3][number % 3] as usize], number);
+    let corners = |side: &[usize]| -> Vec<GeomWithData<[f64; D], usize>> {
+        let corner = |number: usize| GeomWithData::new(points[triangles[number / 3][number % 3] as usize], number);
         side.iter().flat_map(|&triangle| 3 * triangle..3 * triangle + 3).map(corner).collect()
     };
     let tree = RTree::bulk_load(corners(sides[0]));
@@ -154,21 +154,26 @@ fn contacts<const D: usize>(shape: &Shape<D>, roots: &[usize], bridges: &[Link])
         if std::mem::replace(&mut is_seen[vertex], true) {
             continue;
         }
+        let Some(partners) = partners.get(&roots[triangle]) else { continue };
         let point = shape.points[vertex];
-        for &partner in partners.get(&roots[triangle]).into_iter().flatten() {
-            let around = AABB::from_corners(point.map(|x| x - limit), point.map(|x| x + limit));
-            let others = tree.locate_in_envelope_intersecting(around).map(|leaf| leaf.data);
-            let others = others.filter(|&other| roots[other] == partner);
-            let ends = others.map(|other| {
-                let barycentric = nearest_barycentric(&point, &corners(other)).map(|share| share as f32);
-                let end = LinkEnd { triangle: other as u32, barycentric };
-                (distance(&end.point(&shape.points, &shape.triangles), &point), end)
-            });
-            let nearest = ends.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.triangle.cmp(&b.1.triangle)));
-            if let Some((_, end)) = nearest.filter(|(gap, _)| *gap <= limit) {
-                found.push(Link { ends: [LinkEnd::corner(triangle, corner % 3), end], kind: LinkKind::Across });
+        let around = AABB::from_corners(point.map(|x| x - limit), point.map(|x| x + limit));
+        // The nearest contact with each partner.
+        let mut nearest: BTreeMap<usize, (f64, LinkEnd)> = BTreeMap::new();
+        for other in tree.locate_in_envelope_intersecting(around).map(|leaf| leaf.data) {
+            if !partners.contains(&roots[other]) {
+                continue;
+            }
+            let barycentric = nearest_barycentric(&point, &corners(other)).map(|share| share as f32);
+            let end = LinkEnd { triangle: other as u32, barycentric };
+            let gap = distance(&end.point(&shape.points, &shape.triangles), &point);
+            let is_nearer =
+                |(known, kept): &(f64, LinkEnd)| gap.total_cmp(known).then(end.triangle.cmp(&kept.triangle)).is_lt();
+            if gap <= limit && nearest.get(&roots[other]).is_none_or(is_nearer) {
+                nearest.insert(roots[other], (gap, end));
             }
         }
+        let link = |(_, end)| Link { ends: [LinkEnd::corner(triangle, corner % 3), end], kind: LinkKind::Across };
+        found.extend(nearest.into_values().map(link));
     }
     found
 }

@@ -19,6 +19,9 @@ const MAX_POINTS: usize = 16;
 /// Largest number of rays; if there would be more, each triangle has one.
 const MAX_RAYS: usize = 400_000;
 
+/// Largest number of triangles from which the thickness of a shape is measured.
+const MAX_SAMPLED: usize = 50_000;
+
 /// Offset of the start of a ray from the surface, as a fraction of the diagonal.
 const OFF_SURFACE: f64 = 1e-7;
 
@@ -40,6 +43,22 @@ pub(crate) fn solid_links(
     pitch: f64,
     islands: Option<&[usize]>,
 ) -> Vec<Link> {
+    links_of_every(1, (points, triangles), pitch, islands)
+}
+
+/// As [`solid_links`], from triangles that are evenly spread over the list if there are many: enough to measure a shape.
+#[must_use]
+pub(crate) fn sampled_solid_links(points: &[[f64; 3]], triangles: &[[u32; 3]], pitch: f64) -> Vec<Link> {
+    links_of_every(triangles.len().div_ceil(MAX_SAMPLED), (points, triangles), pitch, None)
+}
+
+/// The links from every `step`-th triangle.
+fn links_of_every(
+    step: usize,
+    (points, triangles): (&[[f64; 3]], &[[u32; 3]]),
+    pitch: f64,
+    islands: Option<&[usize]>,
+) -> Vec<Link> {
     let is_turned = turned_inside_out(points, triangles, islands);
     let surface = Surface::of(points, triangles, &is_turned);
     let pitch = pitch * surface.diagonal;
@@ -47,9 +66,10 @@ pub(crate) fn solid_links(
         let longest = (0..3).map(|k| distance(&corners[k], &corners[(k + 1) % 3])).fold(0.0, f64::max);
         ((longest / pitch).ceil() as usize).clamp(1, MAX_POINTS)
     };
-    let rays: usize = surface.corners.iter().map(|corners| count(corners).pow(2)).sum();
+    let chosen = || surface.corners.iter().enumerate().step_by(step.max(1));
+    let rays: usize = chosen().map(|(_, corners)| count(corners).pow(2)).sum();
     let mut links = Vec::new();
-    for (number, corners) in surface.corners.iter().enumerate() {
+    for (number, corners) in chosen() {
         let side = if rays > MAX_RAYS { 1 } else { count(corners) };
         for from in centroids(side) {
             let start = LinkEnd { triangle: number as u32, barycentric: from.map(|share| share as f32) };
@@ -149,12 +169,11 @@ impl Surface {
         let off = OFF_SURFACE * self.diagonal;
         let start = std::array::from_fn(|d| (0..3).map(|k| from[k] * corners[k][d]).sum::<f64>() - off * normal[d]);
         let ray = Ray { start, direction: normal.map(|x| -x) };
-        let hits = self.tree.locate_with_selection_function(ray).filter(|boxed| boxed.data != triangle);
-        let hits = hits.filter_map(|boxed| {
-            let (t, barycentric) = ray.hit(&self.corners[boxed.data])?;
-            Some((t, boxed.data, barycentric))
-        });
-        let (t, number, barycentric) = hits.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+        let (t, number) = ray.nearest_hit(&self.tree, |boxed| {
+            let (t, _) = ray.hit(&self.corners[boxed.data])?;
+            (boxed.data != triangle).then_some((t, boxed.data))
+        })?;
+        let (_, barycentric) = ray.hit(&self.corners[number])?;
         let is_exit = dot(&self::normal(&self.corners[number]), &ray.direction) > 0.0;
         let is_cover = islands.is_some_and(|islands| islands[number] != islands[triangle]);
         (is_exit || is_cover && t <= COVER * self.diagonal)
@@ -231,6 +250,15 @@ mod tests {
             let gaps = own.iter().zip(&other).map(|(own, other)| distance(own, other));
             assert!(gaps.into_iter().all(|gap| gap < 1e-6), "{own:?} and {other:?}");
         }
+    }
+
+    #[test]
+    fn a_sample_of_the_links_starts_from_evenly_spread_triangles() {
+        let (points, triangles) = faces([1.0, 2.0, 4.0]);
+        let of_sampled = |link: &Link| link.ends[0].triangle % 5 == 0;
+        let all: Vec<Link> = solid_links(&points, &triangles, PITCH, None).into_iter().filter(of_sampled).collect();
+        assert_eq!(links_of_every(5, (&points, &triangles), PITCH, None), all);
+        assert_eq!(sampled_solid_links(&points, &triangles, PITCH), solid_links(&points, &triangles, PITCH, None));
     }
 
     #[test]
