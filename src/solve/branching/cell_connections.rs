@@ -25,7 +25,8 @@ pub(super) fn connection<const D: usize>(
     link: &PlacedLink<D>,
     nodes: [u32; 2],
 ) -> Option<Connection> {
-    Some((support.growth_below_one(link)?.to_bits(), nodes))
+    // The bits of -0 would sort behind those of all others.
+    Some(((support.growth_below_one(link)? + 0.0).to_bits(), nodes))
 }
 
 /// The connections of all cells, computed when they are needed.
