@@ -24,11 +24,20 @@ pub(crate) struct Connectivity {
     pub(crate) cuts: Vec<Cut>,
     /// One per cut: the order in depth of the part that it chooses; empty: that of the part's pins.
     pub(crate) orders: Vec<Vec<OrderKey>>,
-    /// Manual joins: pairs of patterns of node names (`*` and `?`), including their subtrees.
-    pub joins: Vec<[String; 2]>,
+    /// Manual joins.
+    pub(crate) joins: Vec<Join>,
     /// Islands (eyes, buttons, hair cards) are attached to the nearest part at rest, up to this distance in diagonals
     /// of the layer at rest.
     pub island_radius: f64,
+}
+
+/// A link between two parts of a scene at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Join {
+    /// Patterns of node names (`*` and `?`), including their subtrees.
+    pub(crate) nodes: [String; 2],
+    /// The place in the scene at rest, metres; `None`: where the parts are nearest.
+    pub(crate) at: Option<[f64; 3]>,
 }
 
 /// A separation within a layer.

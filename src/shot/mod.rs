@@ -30,8 +30,8 @@ pub mod template;
 
 pub(crate) use camera::*;
 pub(crate) use connectivity::Connectivity;
-pub(crate) use connectivity::CutSurface;
 pub(crate) use connectivity::{Cut, IdChoice, IdPicture, LineArt};
+pub(crate) use connectivity::{CutSurface, Join};
 pub use error::ShotError;
 pub(crate) use hash::digest;
 pub(crate) use lines::KeyLines;

@@ -66,7 +66,7 @@ pub(crate) use branching::{BranchedLattice, Crossing, Link};
 pub(crate) use branching::{FarPoints, far_points};
 pub(crate) use branching::{LinkEnd, LinkKind};
 pub(crate) use branching::{
-    continued, inner_widths, islands_of, link_length, nearest_link, sampled_solid_links, solid_links,
+    continued, inner_widths, islands_of, link_at, link_length, nearest_link, sampled_solid_links, solid_links,
     surface_links,
 };
 pub use cancel::Cancel;

@@ -44,6 +44,11 @@ fn body_moves(gap: f32, lattice: &str) -> f64 {
 
 /// The same of a prepared shot.
 fn border_moves(prepared: &PreparedShot) -> f64 {
+    moves_at(prepared, 1..8)
+}
+
+/// The same at some tenths of a frame height above the lower end of the body's border.
+fn moves_at(prepared: &PreparedShot, tenths: std::ops::Range<u32>) -> f64 {
     let sample = prepared.sample_at(1.0).expect("solvable");
     let solution = sample.layers[0].solution.as_ref().expect("its pins act");
     let triangles = prepared.scene.meshes[0].primitives[0].triangles.len();
@@ -56,7 +61,7 @@ fn border_moves(prepared: &PreparedShot) -> f64 {
         };
         (to[0] - at.0.x).hypot(to[1] - at.0.y) * 256.0
     };
-    (1..8).map(|k| moved(0.1 + 0.1 * f64::from(k))).fold(0.0, f64::max)
+    tenths.map(|k| moved(0.1 + 0.1 * f64::from(k))).fold(0.0, f64::max)
 }
 
 #[test]
@@ -116,6 +121,34 @@ fn islands_hang_on_what_is_near_and_on_what_they_are_joined_to() {
         "the body moves by {near:.2} px beside an island, {far:.2} px beside one too far, {joined:.2} px joined by hand"
     );
     assert!(far < 0.5 && near > 2.0 * far && (joined - near).abs() < 1e-6, "{near} {far} {joined}");
+}
+
+#[test]
+fn a_part_hangs_where_a_join_names_the_place() {
+    // The arm is pulled at its lower end.
+    let [at_hand, at_shoulder] = ["at = [0.02, -0.35, 0.0]", "at = [0.02, 0.29, 0.0]"].map(|at| {
+        let lattice = format!("cuts = [{{ nodes = ['Arm'] }}], joins = [{{ nodes = ['Arm', 'Body'], {at} }}]");
+        prepared(0.03, &lattice).expect("a right shot")
+    });
+    let [low, high] = [&at_hand, &at_shoulder].map(|prepared| moves_at(prepared, 1..3));
+    println!(
+        "beside the hand the body moves by {low:.2} px with a join there, by {high:.2} px with one at the shoulder"
+    );
+    assert!(low > 1.0 && high < 0.5 * low, "{low} and {high}");
+    let moved = moves_at(&at_shoulder, 6..7);
+    assert!(moved > 0.1, "the arm pulls at the shoulder: {moved}");
+}
+
+#[test]
+fn a_join_that_undoes_a_cut_is_noted() {
+    let noted = |join: &str| {
+        let prepared = prepared(0.0, &format!("cuts = [{{ nodes = ['Arm'] }}], joins = [{join}]")).expect("right");
+        prepared.notes.iter().any(|note| note.contains("joins[0] links 'Arm' and 'Body' again, which a cut separates"))
+    };
+    assert!(noted("['Arm', 'Body']"));
+    assert!(!noted("{ nodes = ['Arm', 'Body'], at = [0.0, 0.3, 0.0] }"));
+    let only_joined = prepared(0.03, "island_radius = 0.01, joins = [['Arm', 'Body']]").expect("right");
+    assert!(!only_joined.notes.iter().any(|note| note.contains("again")), "{:?}", only_joined.notes);
 }
 
 #[test]

@@ -118,7 +118,7 @@ impl PreparedShot {
             let camera = camera.at((&shot, &scene), f64::from(frame), &pose);
             (pose, camera)
         };
-        let links = rest_links((&shot, &scene), (&assignment.parts_of_layer, &cuts), &view)?;
+        let links = rest_links((&shot, &scene), (&assignment.parts_of_layer, &cuts), &view, &mut notes)?;
         let Mattes { submeshes, headers: mattes } = Mattes::new(&shot, &scene, (&first.parts, &assignment));
         let mut prepared = Self {
             shot,

@@ -14,8 +14,8 @@ use crate::pipeline::PipelineError;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::screen::{Camera, primitive};
-use crate::shot::{Cut, CutSurface, Layer, Selection, Shot, Source};
-use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, nearest_link, solid_links, surface_links};
+use crate::shot::{Cut, CutSurface, Join, Layer, Selection, Shot, Source};
+use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, link_at, nearest_link, solid_links, surface_links};
 use crate::spelling::{self, pluralised};
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -99,7 +99,7 @@ impl RestLinks {
 }
 
 /// Returns the links of every layer; `None` for layers whose lattice does not branch. `cuts`: those of pictures; `view`: the pose and the
-/// camera of a frame.
+/// camera of a frame. Adds a note for every join that undoes a cut.
 ///
 /// # Errors
 /// [`PipelineError::Mismatch`] if a cut separates nothing or names something that does not exist.
@@ -107,6 +107,7 @@ pub(super) fn rest_links(
     (shot, scene): (&Shot, &Scene),
     (parts_of_layer, cuts): (&[Vec<usize>], &PictureCuts),
     view: &dyn Fn(i32) -> (Pose, Camera),
+    notes: &mut Vec<String>,
 ) -> Result<Vec<Option<RestLinks>>, PipelineError> {
     let mut rest = None;
     let mut all = Vec::with_capacity(shot.layers.len());
@@ -123,8 +124,20 @@ pub(super) fn rest_links(
             Source::Images(_) | Source::Frame => vec![(1.0, surface_links(&mesh.flat(), &mesh.triangles, radius))],
         };
         let layer = LayerLinks { shot, scene, index, parts, rest, mesh: &mesh, cuts, view };
+        let joins = layer.joins()?;
+        let count_between = |by_pitch: &LinksByPitch| -> Vec<usize> {
+            let links = by_pitch.last().map_or(&[][..], |(_, links)| links);
+            joins.iter().map(|join| links.iter().filter(|link| join.is_between(link)).count()).collect()
+        };
+        let before = count_between(&by_pitch);
         let divisions = layer.cut(&mut by_pitch)?;
-        layer.join(&mut by_pitch)?;
+        let after = count_between(&by_pitch);
+        for (number, join) in joins.iter().enumerate() {
+            let link = join.link(&mesh);
+            by_pitch.iter_mut().for_each(|(_, links)| links.extend(link));
+            let is_cut = before[number] > 0 && after[number] == 0;
+            notes.extend(link.filter(|_| is_cut).and_then(|link| layer.note_on_cut(number, &link)));
+        }
         let sorted = |(pitch, mut links): (f64, Vec<Link>)| {
             // Solves sort them at every time, which takes less where they are sorted already.
             links.sort_by_key(|link| {
@@ -149,21 +162,23 @@ type LinksByPitch = Vec<(f64, Vec<Link>)>;
 fn links_of_solid(mesh: &RestMesh, radius: f64) -> LinksByPitch {
     let on_surface = surface_links(&mesh.points, &mesh.triangles, radius);
     let islands = islands_of(mesh.triangles.len(), &on_surface);
-    let in_own_order = |end: &mut LinkEnd| {
-        if mesh.is_mirrored[end.triangle as usize] {
-            end.barycentric.swap(1, 2);
-        }
-    };
     let with_solid = |pitch: f64| {
         let mut links = on_surface.clone();
         links.extend(solid_links(&mesh.points, &mesh.triangles, pitch, Some(&islands)));
-        links.iter_mut().flat_map(|link| &mut link.ends).for_each(in_own_order);
+        links.iter_mut().flat_map(|link| &mut link.ends).for_each(|end| in_own_order(end, mesh));
         (pitch, links)
     };
     // Where triangles are small, each has one link at all distances.
     let longest = longest_edge(mesh) / mesh.diagonal();
     let is_needed = |(number, pitch): &(usize, f64)| *number == 0 || longest > *pitch;
     PITCHES.into_iter().enumerate().filter(is_needed).map(|(_, pitch)| with_solid(pitch)).collect()
+}
+
+/// Converts barycentric coordinates of a mesh at rest to those of the part, whose corners may be listed in reverse order.
+fn in_own_order(end: &mut LinkEnd, mesh: &RestMesh) {
+    if mesh.is_mirrored[end.triangle as usize] {
+        end.barycentric.swap(1, 2);
+    }
 }
 
 fn longest_edge(mesh: &RestMesh) -> f64 {
@@ -298,28 +313,42 @@ impl LayerLinks<'_> {
         });
     }
 
-    /// Links the pairs that the shot joins, at their nearest points.
-    fn join(&self, by_pitch: &mut LinksByPitch) -> Result<(), PipelineError> {
-        for (number, pair) in self.layer().connectivity.joins.iter().enumerate() {
+    /// Returns the triangles of the pairs that the shot joins.
+    fn joins(&self) -> Result<Vec<JoinedParts>, PipelineError> {
+        let mut all = Vec::new();
+        for (number, Join { nodes: pair, at }) in self.layer().connectivity.joins.iter().enumerate() {
             let key = format!("joins[{number}]");
             let [from, to] = pair.each_ref().map(|pattern| self.triangles_of(pattern));
-            let sides = [(from, &pair[0]), (to, &pair[1])];
+            let sides = [(&from, &pair[0]), (&to, &pair[1])];
             if let Some((_, pattern)) = sides.iter().find(|(triangles, _)| triangles.is_empty()) {
                 let names = self.parts.iter().map(|&part| self.scene.nodes[self.rest.parts[part].node].name.as_str());
                 let what = format!("no node of the layer with a mesh matches '{pattern}'");
                 return Err(self.fault(&key, &what, &spelling::hint(pattern, names)));
             }
-            let [(from, _), (to, _)] = sides;
             if let Some(shared) = from.iter().find(|triangle| to.binary_search(triangle).is_ok()) {
                 let name = &self.scene.nodes[self.mesh.nodes[*shared]].name;
                 let what =
                     format!("'{}' and '{}' both name '{name}', which would be joined with itself", pair[0], pair[1]);
                 return Err(self.fault(&key, &what, "name two different parts of the layer"));
             }
-            let link = nearest_link(&self.mesh.points, &self.mesh.triangles, [&from, &to]);
-            by_pitch.iter_mut().for_each(|(_, links)| links.extend(link));
+            all.push(JoinedParts { sides: [from, to], at: *at });
         }
-        Ok(())
+        Ok(all)
+    }
+
+    /// Returns a note on parts that a cut separates and a join links where they are nearest, which most of the time is where they hung together
+    /// without the cut; `None` if the join names its place.
+    fn note_on_cut(&self, number: usize, link: &Link) -> Option<String> {
+        let Join { nodes: [from, to], at: None } = &self.layer().connectivity.joins[number] else { return None };
+        let end = link.ends[0];
+        let corners = self.mesh.triangles[end.triangle as usize].map(|corner| self.mesh.points[corner as usize]);
+        let nearest = (0..3).max_by(|&a, &b| end.barycentric[a].total_cmp(&end.barycentric[b])).unwrap_or(0);
+        let [x, y, z] = corners[nearest];
+        Some(format!(
+            "layer '{}': joins[{number}] links '{from}' and '{to}' again, which a cut separates, where they are nearest, at [{x:.2}, {y:.2}, \
+             {z:.2}]; to hinge one on the other, name the place: {{ nodes = [\"{from}\", \"{to}\"], at = [x, y, z] }}, in metres at rest",
+            self.layer().name
+        ))
     }
 
     /// Returns the triangles of the nodes that match a pattern, and of their descendants.
@@ -336,6 +365,33 @@ impl LayerLinks<'_> {
             first += count;
         }
         found
+    }
+}
+
+/// The triangles of two parts that a shot joins, ascending.
+struct JoinedParts {
+    sides: [Vec<usize>; 2],
+    /// The place, metres; `None`: where they are nearest.
+    at: Option<[f64; 3]>,
+}
+
+impl JoinedParts {
+    /// Whether a link connects the two parts.
+    fn is_between(&self, link: &Link) -> bool {
+        let [from, to] = link.ends.map(|end| end.triangle as usize);
+        let is_on = |side: usize, triangle: usize| self.sides[side].binary_search(&triangle).is_ok();
+        is_on(0, from) && is_on(1, to) || is_on(1, from) && is_on(0, to)
+    }
+
+    /// Returns the link of the join.
+    fn link(&self, mesh: &RestMesh) -> Option<Link> {
+        let sides = self.sides.each_ref().map(Vec::as_slice);
+        let mut link = match &self.at {
+            Some(at) => link_at(&mesh.points, &mesh.triangles, sides, at),
+            None => nearest_link(&mesh.points, &mesh.triangles, sides),
+        }?;
+        link.ends.iter_mut().for_each(|end| in_own_order(end, mesh));
+        Some(link)
     }
 }
 

@@ -3,8 +3,8 @@
 //! In: a raw lattice. Out: [`Connectivity`].
 
 use super::{Check, Kind, LayerDefaults};
-use crate::shot::connectivity::{CutSurface, ISLAND_RADIUS};
-use crate::shot::raw::{RawCut, RawLattice, RawPartCut};
+use crate::shot::connectivity::{CutSurface, ISLAND_RADIUS, Join};
+use crate::shot::raw::{RawCut, RawJoin, RawLattice, RawPartCut, RawPlacedJoin};
 use crate::shot::{Connectivity, Cut, OrderKey};
 use crate::solve::Topology;
 
@@ -39,7 +39,22 @@ impl Check<'_> {
             cuts.push(cut);
         }
         let island_radius = raw.island_radius.unwrap_or(ISLAND_RADIUS);
-        Connectivity { cuts, orders, joins: raw.joins.clone(), island_radius }
+        let joins = raw.joins.iter().enumerate();
+        let joins = joins.map(|(number, raw)| self.join(raw, &format!("{key}.joins[{number}]"))).collect();
+        Connectivity { cuts, orders, joins, island_radius }
+    }
+
+    fn join(&mut self, raw: &RawJoin, key: &str) -> Join {
+        match raw {
+            RawJoin::Nearest(nodes) => Join { nodes: nodes.clone(), at: None },
+            RawJoin::At(RawPlacedJoin { nodes, at }) => {
+                if !at.iter().all(|x| x.is_finite()) {
+                    let hint = "give [x, y, z] in metres of the scene at rest";
+                    self.fault(&format!("{key}.at"), "a place is three finite numbers", hint);
+                }
+                Join { nodes: nodes.clone(), at: Some(*at) }
+            }
+        }
     }
 
     /// Returns the order of the part that a cut chooses.

@@ -18,6 +18,28 @@ pub(in crate::shot) enum RawCut {
     Part(Box<RawPartCut>),
 }
 
+/// A link between two parts of a scene at one place.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::shot) enum RawJoin {
+    /// Patterns of the names of two nodes, which are joined where they are nearest at rest.
+    Nearest(#[schemars(inner(length(min = 1)))] [String; 2]),
+    /// Two nodes and a place.
+    At(RawPlacedJoin),
+}
+
+/// A link between two parts of a scene at a place that is named: the hinge between them.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(in crate::shot) struct RawPlacedJoin {
+    /// Patterns of the names of two nodes.
+    #[schemars(inner(length(min = 1)), example = serde_json::json!(["Arm", "Body"]))]
+    pub(in crate::shot) nodes: [String; 2],
+    /// The place in the scene at rest, metres: the nearest points of both parts are linked.
+    #[schemars(example = serde_json::json!([0.3, 1.4, 0.0]))]
+    pub(in crate::shot) at: [f64; 3],
+}
+
 /// A part of a scene, selected by names, or of a picture, selected by a mask. If several keys are set, only what all of them select is
 /// cut off. `ids`, `regions` and `stroke` stand alone: parts of a picture by a picture of ids, or by what the lines of the drawing close; a
 /// stroke over a scene.

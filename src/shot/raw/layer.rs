@@ -2,7 +2,7 @@
 //!
 //! In: checked TOML. Out: raw values; see [`super`].
 
-use super::{RawCut, RawOrder};
+use super::{RawCut, RawJoin, RawOrder};
 use crate::lattice::Basis;
 use crate::shot::model::{Ease, OffsetUnit};
 use crate::shot::selection::ColorChannel;
@@ -181,9 +181,10 @@ pub(in crate::shot) struct RawLattice {
     /// scene or picture.
     #[schemars(example = serde_json::json!([[[0.62, 0.40], [0.62, 0.71]]]), example = serde_json::json!([{ "joints": ["LeftArm*"] }]))]
     pub(in crate::shot) cuts: Vec<RawCut>,
-    /// For branching lattices of scenes: pairs of patterns of node names; joins the two parts where they are nearest at rest.
-    #[schemars(inner(inner(length(min = 1))), example = serde_json::json!([["Sword", "Hand*"]]))]
-    pub(in crate::shot) joins: Vec<[String; 2]>,
+    /// For branching lattices of scenes: pairs of patterns of node names; joins the two parts where they are nearest at rest,
+    /// or at a place.
+    #[schemars(example = serde_json::json!([["Sword", "Hand*"]]), example = serde_json::json!([{ "nodes": ["Arm", "Body"], "at": [0.3, 1.4, 0.0] }]))]
+    pub(in crate::shot) joins: Vec<RawJoin>,
     /// For branching lattices: the greatest distance between an island (an eye, a button, a hair card) and the part that carries
     /// it, in diagonals of the layer at rest; default: 0.1.
     #[schemars(range(min = 0.0, max = 10.0), example = 0.1)]

@@ -44,7 +44,7 @@ pub(crate) use inner_width::inner_widths;
 pub(crate) use link::Link;
 pub(crate) use link::{LinkEnd, LinkKind};
 pub(crate) use nearest_point::nearest_barycentric;
-pub(crate) use rest_links::{nearest_link, surface_links};
+pub(crate) use rest_links::{link_at, nearest_link, surface_links};
 pub(crate) use solid_links::{islands_of, link_length, sampled_solid_links, solid_links};
 
 use super::error::SolveError;

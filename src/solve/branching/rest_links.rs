@@ -101,6 +101,24 @@ pub(crate) fn nearest_link<const D: usize>(
     Some(Link { ends: pair.map(|corner| LinkEnd::corner(corner / 3, corner % 3)), kind: LinkKind::Across })
 }
 
+/// Links two sets of triangles at the points of each that are nearest to a place; `None` if one of them is empty.
+#[must_use]
+pub(crate) fn link_at<const D: usize>(
+    points: &[[f64; D]],
+    triangles: &[[u32; 3]],
+    sides: [&[usize]; 2],
+    place: &[f64; D],
+) -> Option<Link> {
+    let end = |&triangle: &usize| {
+        let corners = triangles[triangle].map(|corner| points[corner as usize]);
+        let barycentric = nearest_barycentric(place, &corners).map(|share| share as f32);
+        let end = LinkEnd { triangle: triangle as u32, barycentric };
+        (distance(&end.point(points, triangles), place), end)
+    };
+    let [from, to] = sides.map(|side| side.iter().map(end).min_by(|a, b| a.0.total_cmp(&b.0)));
+    Some(Link { ends: [from?.1, to?.1], kind: LinkKind::Across })
+}
+
 /// Links every island to the one with the nearest corner, repeatedly, until all are connected (O. Borůvka, 1926) or farther apart
 /// than `radius`.
 fn bridges<const D: usize>(shape: &Shape<D>, mut sets: DisjointSets, radius: f64) -> Vec<Link> {
