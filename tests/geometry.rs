@@ -29,7 +29,7 @@ fn scene_of(primitives: Vec<Primitive>, materials: Vec<Material>) -> Scene {
     };
     Scene {
         nodes: (0..primitives.len()).map(node).collect(),
-        meshes: primitives.into_iter().map(|p| Mesh { name: String::new(), primitives: vec![p] }).collect(),
+        meshes: primitives.into_iter().map(|p| Mesh { primitives: vec![p], ..Mesh::default() }).collect(),
         materials,
         ..Scene::default()
     }
@@ -252,6 +252,53 @@ fn a_fold_keeps_facing_the_viewer() {
             let [a, b, c] = corners.map(|corner| place(&geometry, corner));
             assert!((b - a).perp_dot(c - a) > 0.0, "front faces stay counter-clockwise");
         }
+    }
+}
+
+/// A cube with edges of 1 m whose front is 2.5 m away.
+fn cube() -> Primitive {
+    let corner = |k: u32| Vec3::new((k & 1) as f32 - 0.5, (k >> 1 & 1) as f32 - 0.5, (k >> 2) as f32 - 3.5);
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    Primitive {
+        positions: (0..8).map(corner).collect(),
+        normals: vec![Vec3::Z; 8],
+        triangles: faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Primitive::default()
+    }
+}
+
+#[test]
+fn back_faces_of_closed_surfaces_are_drawn_where_layers_may_open_the_front() {
+    let bounds = ScreenBox::new(ScreenPoint::new(-0.2, -0.2), ScreenPoint::new(1.8, 1.2));
+    let mut moved = Grid::over(bounds, [10, 10], Basis::Bspline).at_rest();
+    moved.handles.iter_mut().for_each(|handle| handle[0] += 0.1);
+    // The front moves, the back stays.
+    let weights: Vec<f32> = (0..8).map(|k| (k >> 2) as f32).collect();
+    let blend = || PartWarp::Blend(WarpBlend { layers: vec![PartWarp::Lattice(&moved)], weights: &weights });
+    let drawn = |source: Primitive, material: Material, warp: PartWarp| {
+        let scene = scene_of(vec![source], vec![material]);
+        build_warped(&scene, &still(&scene), &[warp])
+    };
+    let opened = drawn(cube(), Material::default(), blend());
+    // Seen from the middle in front, all faces but the front face away.
+    assert_eq!(opened.indices.len() / 3, 12 + 10);
+    for corners in &opened.indices.as_chunks::<3>().0[12..] {
+        let turned = corners.map(|corner| opened.vertices[corner as usize]);
+        assert!(turned.iter().all(|vertex| vertex.normal == [0.0, 0.0, -1.0]), "it faces the viewer");
+        let z = |index: usize| opened.vertices[index].screen[2];
+        let own = opened.vertices.iter().position(|vertex| vertex.position == turned[0].position);
+        assert!(turned[0].screen[2] < z(own.expect("the vertex itself")), "behind the front at outlines");
+    }
+    let mut open = cube();
+    open.triangles.pop();
+    let double_sided = Material { double_sided: true, ..Material::default() };
+    for (source, material, warp, count) in [
+        (cube(), Material::default(), PartWarp::Lattice(&moved), 12),
+        (cube(), Material::default(), PartWarp::Rest, 12),
+        (cube(), double_sided, blend(), 12),
+        (open, Material::default(), blend(), 11),
+    ] {
+        assert_eq!(drawn(source, material, warp).indices.len() / 3, count);
     }
 }
 

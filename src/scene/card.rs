@@ -35,7 +35,7 @@ pub(super) fn flat_scene(aspect: f64, cards: Vec<(String, Primitive)>) -> Scene 
         ..Scene::default()
     };
     for (place, (name, card)) in cards.into_iter().enumerate() {
-        scene.meshes.push(Mesh { name: name.clone(), primitives: vec![card] });
+        scene.meshes.push(Mesh { name: name.clone(), primitives: vec![card], ..Mesh::default() });
         scene.nodes.push(Node { mesh: Some(place), ..node(name, Vec3::Z * (STEP * place as f32)) });
     }
     let before = STEP * scene.nodes.len() as f32;

@@ -78,7 +78,10 @@ impl Loader<'_> {
         for (number, primitive) in json.primitives.iter().enumerate() {
             primitives.push(self.primitive(primitive, Label { mesh: &name, primitive: number })?);
         }
-        Ok(Loaded { mesh: Mesh { name, primitives }, weights: json.weights.clone().unwrap_or_default() })
+        Ok(Loaded {
+            mesh: Mesh { name, primitives, ..Mesh::default() },
+            weights: json.weights.clone().unwrap_or_default(),
+        })
     }
 
     fn primitive(&mut self, json: &json::mesh::Primitive, label: Label<'_>) -> Result<Primitive, SceneError> {

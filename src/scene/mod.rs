@@ -27,6 +27,7 @@ mod outline;
 mod pack;
 mod pictures;
 mod skin;
+mod solid;
 mod tangents;
 mod texture;
 mod vertices;
@@ -43,6 +44,7 @@ pub(crate) use material::Wrap;
 pub use material::{AlphaMode, Filter, Image, Material, Texture, TextureRef};
 pub(crate) use pack::{Packed, pack};
 pub(crate) use pictures::{Picture, picture_cards};
+pub(crate) use solid::SolidVertices;
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;
@@ -137,6 +139,8 @@ pub struct Mesh {
     pub name: String,
     /// One per material.
     pub primitives: Vec<Primitive>,
+    /// The vertices on closed surfaces.
+    pub(crate) solid: SolidVertices,
 }
 
 /// Triangles or lines of one material, in the space of their node. All per-vertex arrays are empty or #vertices long.

@@ -5,6 +5,7 @@
 //! of a rasteriser. Only screen positions are warped; depth, normals and lighting remain unwarped.
 
 mod assembly;
+mod backs;
 mod curvature;
 mod edge_bends;
 mod lines;
@@ -22,6 +23,7 @@ use super::{Draw, Geometry, RasterVertex};
 use crate::scene::{AlphaMode, Primitive};
 use crate::screen::{Camera, primitive};
 use assembly::BuiltPart;
+use backs::{Faces, add_backs};
 use edge_bends::{EdgeBends, LatticeCurvatures};
 use glam::DVec2;
 use lines::LineClipper;
@@ -93,7 +95,13 @@ fn build(
     let submeshes = &assembly.submeshes[part];
     let (vertices, triangles, ends) = if source.lines.is_empty() {
         let splitter = Splitter::new(list, source.triangles.len(), bends);
-        faces(source, splitter, (now, part, submeshes), warped, is_cancelled)
+        let (faces, opening) = faces(source, splitter, (now, part, submeshes), warped, is_cancelled);
+        match opening {
+            Some(list) if !material.double_sided && material.alpha != AlphaMode::Blend => {
+                add_backs(faces, &list, posed.is_mirrored, now.camera.near())
+            }
+            _ => faces,
+        }
     } else {
         let clipper = LineClipper { vertices: &list, near: now.camera.near(), bends };
         let warped = |vertex: &ClipVertex| warped(vertex, PartPoint { weights: &[], triangle: 0 });
@@ -114,14 +122,15 @@ fn build(
 }
 
 /// Returns vertices and triangles of a surface, submesh after submesh, and the end of each submesh's triangles. Once it is cancelled,
-/// something is missing.
-fn faces(
+/// something is missing. With them comes the list of vertices if the warp may open the front of the part: a single lattice without folds
+/// does not.
+fn faces<'a>(
     source: &Primitive,
-    mut splitter: Splitter,
+    mut splitter: Splitter<'a>,
     (now, part, submeshes): (PosedScene, usize, &[Submesh]),
     warped: impl Fn(&ClipVertex, PartPoint) -> RasterVertex + Send + Sync,
     is_cancelled: &IsCancelled,
-) -> (Vec<RasterVertex>, Vec<[u32; 3]>, Vec<usize>) {
+) -> (Faces, Option<VertexList<'a>>) {
     let near = now.camera.near();
     let mut ends = Vec::with_capacity(submeshes.len());
     for submesh in submeshes {
@@ -143,10 +152,11 @@ fn faces(
         warped(&list.get(index), list.on_part(index))
     };
     let vertices: Vec<RasterVertex> = (0..list.len() as u32).into_par_iter().with_min_len(2048).map(one).collect();
-    if !now.warps[part].is_rest() && !is_over.into_inner() {
-        keep_facing(&mut triangles, &list, &vertices);
-    }
-    (vertices, triangles, ends)
+    let warp = &now.warps[part];
+    let is_opened = !warp.is_rest()
+        && !is_over.into_inner()
+        && (keep_facing(&mut triangles, &list, &vertices) || !matches!(warp, PartWarp::Lattice(_)));
+    ((vertices, triangles, ends), is_opened.then_some(list))
 }
 
 /// Returns vertices and triangles of lines.
@@ -165,17 +175,16 @@ fn ribbons(
 }
 
 /// Restores the orientation of triangles that the warp inverted, so that they face the viewer if they did before: a
-/// fold shows its visible side instead of opening a hole.
-fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) {
+/// fold shows its visible side instead of opening a hole. Returns whether there were any.
+fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) -> bool {
     let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
-    triangles.par_iter_mut().with_min_len(2048).for_each(|corners| {
+    let turned = triangles.par_iter_mut().with_min_len(2048).filter_map(|corners| {
         let before = side(corners.map(|corner| list.projected(corner).point().0));
         let after = side(corners.map(|corner| {
             let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
             DVec2::new(x, y) / w
         }));
-        if before * after < 0.0 {
-            corners.swap(1, 2);
-        }
+        (before * after < 0.0).then(|| corners.swap(1, 2))
     });
+    turned.count() > 0
 }

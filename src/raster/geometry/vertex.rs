@@ -67,6 +67,8 @@ pub(super) struct VertexList<'a> {
     /// Projections of the primitive's vertices now.
     projected: Vec<Projected>,
     made: Vec<ClipVertex>,
+    /// #created vertices: an end of the edge on which they were created.
+    made_from: Vec<u32>,
     /// Weights of the created vertices, for parts with several lattices.
     made_weights: Vec<f32>,
     /// One triangle per vertex, for parts with a branching lattice: those of the primitive's vertices, then of the
@@ -83,7 +85,17 @@ impl<'a> VertexList<'a> {
         let warps = assembly.neighbours.iter().flatten().chain([&assembly.now]);
         let has_branches = warps.map(|time| &time.warps[part]).any(PartWarp::has_branches);
         let triangles = if has_branches { vertex_triangles(source) } else { Vec::new() };
-        Self { assembly, posed, source, part, projected, made: Vec::new(), made_weights: Vec::new(), triangles }
+        Self {
+            assembly,
+            posed,
+            source,
+            part,
+            projected,
+            made: Vec::new(),
+            made_from: Vec::new(),
+            made_weights: Vec::new(),
+            triangles,
+        }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -99,6 +111,7 @@ impl<'a> VertexList<'a> {
         let ends = self.weights(from).iter().zip(self.weights(to));
         let mixed: Vec<f32> = ends.map(|(from, to)| from * a + to * b).collect();
         self.made_weights.extend(mixed);
+        self.made_from.push(from);
         self.made.push(self.get(from).lerp(&self.get(to), share));
         self.len() as u32 - 1
     }
@@ -119,6 +132,16 @@ impl<'a> VertexList<'a> {
                 self.made_weights.get(made * lattices..(made + 1) * lattices).unwrap_or(&[])
             }
         }
+    }
+
+    /// Returns whether a vertex lies on a closed surface that faces outwards.
+    pub(super) fn is_solid(&self, index: u32) -> bool {
+        let mut index = index as usize;
+        while let Some(made) = index.checked_sub(self.posed.positions.len()) {
+            index = self.made_from[made] as usize;
+        }
+        let solid = self.assembly.scene.meshes[self.posed.mesh].solid_vertices(self.posed.primitive);
+        solid.get(index).copied().unwrap_or(false)
     }
 
     /// Returns the vertex's projection now.

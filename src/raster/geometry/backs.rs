@@ -1,0 +1,70 @@
+//! Draws the back faces of closed surfaces where a warp uncovers them.
+//!
+//! In: the triangles of a part before and after the warp. Out: the same triangles with those added that face away from the viewer, turned
+//! around. Without a warp the front faces of a closed surface cover all of its back faces, so culling these saves time and shows the same. Where
+//! layers or branches move apart, or the warp folds, the front opens, and what lies behind the opening is the inside of the back.
+
+use super::vertex::VertexList;
+use crate::raster::RasterVertex;
+use glam::DVec2;
+use std::collections::HashMap;
+
+/// Factor of z by which back faces lie farther away than they are: where they meet the front faces, at outlines, the front is visible.
+const BEHIND: f32 = 1.0 - 1e-4;
+
+/// The triangles of a part: submesh after submesh, with the end of each.
+pub(super) type Faces = (Vec<RasterVertex>, Vec<[u32; 3]>, Vec<usize>);
+
+/// Adds the back faces of closed surfaces. `is_mirrored`: whether front faces are clockwise. A part that reaches in front of the near plane,
+/// which opens it, gets none.
+pub(super) fn add_backs(
+    (mut vertices, triangles, ends): Faces,
+    list: &VertexList,
+    is_mirrored: bool,
+    near: f64,
+) -> Faces {
+    if (0..list.len() as u32).any(|vertex| list.projected(vertex).depth < near) {
+        return (vertices, triangles, ends);
+    }
+    let sides: Vec<f64> = triangles.iter().map(|corners| side(corners, &vertices)).collect();
+    // After the warp triangles still face the way that they did before.
+    let is_back = |number: usize| {
+        list.is_solid(triangles[number][0]) && sides[number] != 0.0 && (sides[number] < 0.0) != is_mirrored
+    };
+    let mut turned: HashMap<u32, u32> = HashMap::new();
+    let (mut all, mut all_ends) = (Vec::with_capacity(triangles.len()), Vec::with_capacity(ends.len()));
+    let mut from = 0;
+    for end in ends {
+        all.extend(&triangles[from..end]);
+        for number in (from..end).filter(|number| is_back(*number)) {
+            let [a, b, c] = triangles[number].map(|corner| {
+                *turned.entry(corner).or_insert_with(|| {
+                    vertices.push(turned_around(&vertices[corner as usize]));
+                    vertices.len() as u32 - 1
+                })
+            });
+            all.push([a, c, b]);
+        }
+        all_ends.push(all.len());
+        from = end;
+    }
+    (vertices, all, all_ends)
+}
+
+/// Twice the area of a warped triangle on the screen; positive if its corners are counter-clockwise.
+fn side(corners: &[u32; 3], vertices: &[RasterVertex]) -> f64 {
+    let [a, b, c] = corners.map(|corner| {
+        let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
+        DVec2::new(x, y) / w
+    });
+    (b - a).perp_dot(c - a)
+}
+
+/// A vertex whose surface faces the other way.
+fn turned_around(vertex: &RasterVertex) -> RasterVertex {
+    let mut turned = *vertex;
+    turned.screen[2] *= BEHIND;
+    turned.normal = turned.normal.map(|x| -x);
+    turned.tangent = turned.tangent.map(|x| -x);
+    turned
+}

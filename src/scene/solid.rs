@@ -1,0 +1,118 @@
+//! Finds the closed surfaces of a mesh, whose back faces cannot be seen from outside.
+//!
+//! In: a mesh at rest. Out: for every vertex whether it lies on a connected surface without a border that faces outwards. Vertices in the same
+//! position count as one, also those of different primitives.
+
+use super::Mesh;
+use foldhash::fast::FixedState;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+/// The vertices of a mesh on closed surfaces, found when they are first asked for. #primitives x #vertices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SolidVertices(OnceLock<Vec<Vec<bool>>>);
+
+impl Mesh {
+    /// Whether each vertex of a primitive lies on a closed surface that faces outwards, #vertices.
+    pub(crate) fn solid_vertices(&self, primitive: usize) -> &[bool] {
+        self.solid.0.get_or_init(|| find(self)).get(primitive).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// What is known of a connected surface.
+#[derive(Clone, Default)]
+struct Surface {
+    has_border: bool,
+    /// Six times the volume that it encloses.
+    volume: f64,
+}
+
+fn find(mesh: &Mesh) -> Vec<Vec<bool>> {
+    let mut numbers: HashMap<[u32; 3], usize, FixedState> = HashMap::default();
+    let mut places: Vec<DVec3> = Vec::new();
+    let mut number = |position: &Vec3| {
+        let key = (*position + 0.0).to_array().map(f32::to_bits);
+        *numbers.entry(key).or_insert_with(|| {
+            places.push(position.as_dvec3());
+            places.len() - 1
+        })
+    };
+    let welded: Vec<Vec<usize>> =
+        mesh.primitives.iter().map(|primitive| primitive.positions.iter().map(&mut number).collect()).collect();
+    let triangles = || {
+        let all = mesh.primitives.iter().zip(&welded);
+        let own = all.flat_map(|(primitive, welded)| {
+            primitive.triangles.iter().map(|corners| corners.map(|corner| welded[corner as usize]))
+        });
+        own.filter(|[a, b, c]| a != b && b != c && c != a)
+    };
+    let mut parents: Vec<usize> = (0..places.len()).collect();
+    // How often each edge is passed one way more than the other.
+    let mut excess: HashMap<[usize; 2], i32, FixedState> = HashMap::default();
+    for [a, b, c] in triangles() {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            *excess.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+            let [from, to] = [root(&mut parents, from), root(&mut parents, to)];
+            parents[from.max(to)] = from.min(to);
+        }
+    }
+    let mut surfaces = vec![Surface::default(); places.len()];
+    for ([from, _], excess) in &excess {
+        surfaces[root(&mut parents, *from)].has_border |= *excess != 0;
+    }
+    for corners in triangles() {
+        let own = root(&mut parents, corners[0]);
+        let [a, b, c] = corners.map(|corner| places[corner] - places[own]);
+        surfaces[own].volume += a.dot(b.cross(c));
+    }
+    let mut is_solid = |&vertex: &usize| {
+        let Surface { has_border, volume } = surfaces[root(&mut parents, vertex)];
+        !has_border && volume > 0.0
+    };
+    welded.iter().map(|own| own.iter().map(&mut is_solid).collect()).collect()
+}
+
+/// Returns the first of the vertices with which a vertex hangs together.
+fn root(parents: &mut [usize], mut vertex: usize) -> usize {
+    while parents[vertex] != vertex {
+        parents[vertex] = parents[parents[vertex]];
+        vertex = parents[vertex];
+    }
+    vertex
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Primitive;
+
+    /// A tetrahedron at an offset along x, seen from outside or from inside.
+    fn tetrahedron(offset: f32, is_turned: bool) -> Primitive {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|at| at + offset * Vec3::X).to_vec();
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let triangles = faces.map(|[a, b, c]| if is_turned { [a, c, b] } else { [a, b, c] }).to_vec();
+        Primitive { positions, triangles, ..Primitive::default() }
+    }
+
+    fn solid(primitives: Vec<Primitive>) -> Vec<Vec<bool>> {
+        let mesh = Mesh { primitives, ..Mesh::default() };
+        (0..mesh.primitives.len()).map(|primitive| mesh.solid_vertices(primitive).to_vec()).collect()
+    }
+
+    #[test]
+    fn surfaces_without_a_border_that_face_outwards_are_solid() {
+        let mut open = tetrahedron(9.0, false);
+        open.triangles.pop();
+        let all = solid(vec![tetrahedron(0.0, false), open, tetrahedron(20.0, true)]);
+        assert_eq!(all, [[true; 4], [false; 4], [false; 4]], "closed, open, inside out");
+    }
+
+    #[test]
+    fn primitives_close_a_surface_together() {
+        let (mut half, mut other) = (tetrahedron(0.0, false), tetrahedron(0.0, false));
+        half.triangles.truncate(2);
+        other.triangles.drain(..2);
+        assert_eq!(solid(vec![half, other]), [[true; 4]; 2]);
+    }
+}
