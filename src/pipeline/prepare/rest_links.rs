@@ -133,10 +133,12 @@ pub(super) fn rest_links(
         let divisions = layer.cut(&mut by_pitch)?;
         let after = count_between(&by_pitch);
         for (number, join) in joins.iter().enumerate() {
-            let link = join.link(&mesh);
-            by_pitch.iter_mut().for_each(|(_, links)| links.extend(link));
-            let is_cut = before[number] > 0 && after[number] == 0;
-            notes.extend(link.filter(|_| is_cut).and_then(|link| layer.note_on_cut(number, &link)));
+            let Some(mut link) = join.link(&mesh) else { continue };
+            if before[number] > 0 && after[number] == 0 {
+                notes.extend(layer.note_on_cut(number, &link));
+            }
+            link.ends.iter_mut().for_each(|end| in_own_order(end, &mesh));
+            by_pitch.iter_mut().for_each(|(_, links)| links.push(link));
         }
         let sorted = |(pitch, mut links): (f64, Vec<Link>)| {
             // Solves sort them at every time, which takes less where they are sorted already.
@@ -336,8 +338,8 @@ impl LayerLinks<'_> {
         Ok(all)
     }
 
-    /// Returns a note on parts that a cut separates and a join links where they are nearest, which most of the time is where they hung together
-    /// without the cut; `None` if the join names its place.
+    /// Returns a note on parts that a cut separates and a join links where they are nearest, as they were linked without
+    /// the cut; `None` if the join names its place.
     fn note_on_cut(&self, number: usize, link: &Link) -> Option<String> {
         let Join { nodes: [from, to], at: None } = &self.layer().connectivity.joins[number] else { return None };
         let end = link.ends[0];
@@ -383,15 +385,13 @@ impl JoinedParts {
         is_on(0, from) && is_on(1, to) || is_on(1, from) && is_on(0, to)
     }
 
-    /// Returns the link of the join.
+    /// Returns the link of the join, in the order of the mesh at rest; `None` if a part is empty.
     fn link(&self, mesh: &RestMesh) -> Option<Link> {
         let sides = self.sides.each_ref().map(Vec::as_slice);
-        let mut link = match &self.at {
+        match &self.at {
             Some(at) => link_at(&mesh.points, &mesh.triangles, sides, at),
             None => nearest_link(&mesh.points, &mesh.triangles, sides),
-        }?;
-        link.ends.iter_mut().for_each(|end| in_own_order(end, mesh));
-        Some(link)
+        }
     }
 }
 
