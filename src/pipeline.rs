@@ -66,6 +66,7 @@ pub(crate) use run::events::{Jerk, LayerNote, LayerReport};
 pub use run::options::Existing;
 pub use run::options::RenderOptions;
 pub(crate) use run::output::input_files;
+pub use run::pause::Pause;
 #[cfg(feature = "cli")]
 pub(crate) use run::resume::{Todo, refuse_existing};
 #[cfg(feature = "cli")]

@@ -33,6 +33,7 @@ pub(super) fn draw(mut shot: Shot, args: &DrawArgs, inputs: Vec<PathBuf>) -> any
         has_overlay: args.overlay,
         durability: args.fsync.into(),
         inputs,
+        ..RenderOptions::default()
     };
     let outputs = [shot.output.path.clone(), own_output];
     let outputs = outputs.iter().map(PathBuf::as_path);

@@ -8,7 +8,9 @@ use super::report::report;
 use crate::image::CameraMatrices;
 use crate::pipeline::evaluate::camera_cuts::{exposure_time, take_at};
 use crate::pipeline::prepare::lighting;
-use crate::pipeline::{FrameReport, JerkMeter, PassPlan, PipelineError, PreparedShot, TimeSample, plan_passes};
+use crate::pipeline::{
+    FrameReport, JerkMeter, PassPlan, PipelineError, PreparedShot, RenderOptions, TimeSample, plan_passes,
+};
 use crate::raster::geometry::{self, Assembly, IsCancelled, KeptParts, PartWarp, assemble_keeping};
 use crate::raster::{ChannelGroup, Geometry, PassRole};
 use glam::Vec2;
@@ -55,7 +57,7 @@ pub(in crate::pipeline) struct BuiltPass {
 pub(in crate::pipeline) struct GeometryThread<'a> {
     pub(in crate::pipeline) prepared: &'a PreparedShot,
     pub(in crate::pipeline) tile_count: usize,
-    pub(in crate::pipeline) has_overlay: bool,
+    pub(in crate::pipeline) options: &'a RenderOptions,
     pub(in crate::pipeline) cancel: &'a AtomicBool,
     pub(in crate::pipeline) jerk: JerkMeter,
 }
@@ -85,7 +87,7 @@ impl GeometryThread<'_> {
         let begun = Instant::now();
         let shot = &self.prepared.shot;
         let middle = self.prepared.mid_exposure(frame)?;
-        let mut facts = facts(self.prepared, (frame, &middle), self.has_overlay, &mut self.jerk);
+        let mut facts = facts(self.prepared, (frame, &middle), self.options.has_overlay, &mut self.jerk);
         let mut busy = begun.elapsed();
         let plan = plan_passes(shot.samples, shot.shutter);
         let has_motion = shot.output.channels.contains(&ChannelGroup::Motion);
@@ -97,6 +99,7 @@ impl GeometryThread<'_> {
             self.geometry(time, needs_motion)
         };
         for times in runs.chunks(self.parallel_times()) {
+            self.options.pause.wait();
             let begun = Instant::now();
             let built: Vec<Result<Geometry, PipelineError>> = times.par_iter().map(build).collect();
             busy += begun.elapsed();

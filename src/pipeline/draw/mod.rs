@@ -16,7 +16,7 @@ pub(super) mod shared_cells;
 
 use crate::image::Frame;
 use crate::pipeline::run::write::Drawn;
-use crate::pipeline::{JerkMeter, PassPlan, PipelineError, PreparedShot, plan_passes};
+use crate::pipeline::{JerkMeter, PassPlan, Pause, PipelineError, PreparedShot, RenderOptions, plan_passes};
 use crate::raster::{Pass, PassRole, Raster, Target};
 use crate::space::{FrameWindow, PixelRect};
 use geometry_thread::{BuiltPass, FrameFacts, FrameJob, GeometryThread};
@@ -61,29 +61,28 @@ pub(in crate::pipeline) fn draw_tiles(
 pub(in crate::pipeline) fn draw_frames(
     device: &mut dyn Raster,
     prepared: &PreparedShot,
-    (frames, has_overlay): (&[i32], bool),
+    (frames, options): (&[i32], &RenderOptions),
     cancel: &AtomicBool,
     drawn: SyncSender<Drawn>,
 ) -> f64 {
     let tiles = tiles(prepared.shot.size.window(), device.max_side());
     let jerk = JerkMeter::default();
-    let mut producer = GeometryThread { prepared, tile_count: tiles.len(), has_overlay, cancel, jerk };
+    let mut producer = GeometryThread { prepared, tile_count: tiles.len(), options, cancel, jerk };
     std::thread::scope(|scope| {
         let (job, jobs) = sync_channel(QUEUED_JOBS);
         scope.spawn(move || producer.run(frames, &job));
-        draw_all(device, prepared, &tiles, (jobs, drawn))
+        let plan = plan_passes(prepared.shot.samples, prepared.shot.shutter);
+        let renderer = FrameRenderer { device, prepared, plan, pause: &options.pause, busy_ms: 0.0 };
+        draw_all(renderer, &tiles, (jobs, drawn))
     })
 }
 
 /// Draws all jobs and returns the time for which the raster was busy, milliseconds.
 fn draw_all(
-    device: &mut dyn Raster,
-    prepared: &PreparedShot,
+    mut renderer: FrameRenderer,
     tiles: &[PixelRect],
     (jobs, drawn): (Receiver<FrameJob>, SyncSender<Drawn>),
 ) -> f64 {
-    let plan = plan_passes(prepared.shot.samples, prepared.shot.shutter);
-    let mut renderer = FrameRenderer { device, prepared, plan, busy_ms: 0.0 };
     for job in jobs {
         let before_ms = renderer.busy_ms;
         let done = match renderer.draw(&job, tiles) {
@@ -107,7 +106,7 @@ pub(in crate::pipeline) fn draw_frame(
     frame: i32,
 ) -> Result<Frame, PipelineError> {
     let (drawn, drawns) = sync_channel(1);
-    draw_frames(device, prepared, (&[frame], false), &AtomicBool::new(false), drawn);
+    draw_frames(device, prepared, (&[frame], &RenderOptions::default()), &AtomicBool::new(false), drawn);
     match drawns.recv() {
         Ok(Drawn::Frame(frame, _)) => Ok(*frame),
         Ok(Drawn::Failed(_, error)) => Err(error),
@@ -120,6 +119,7 @@ struct FrameRenderer<'a> {
     device: &'a mut dyn Raster,
     prepared: &'a PreparedShot,
     plan: Vec<PassPlan>,
+    pause: &'a Pause,
     busy_ms: f64,
 }
 
@@ -146,6 +146,7 @@ impl FrameRenderer<'_> {
         for remaining in (0..self.plan.len()).rev() {
             let Some(pass) = next.take() else { break };
             let BuiltPass { geometry, jitter_px, role } = pass;
+            self.pause.wait();
             self.timed(|device| device.draw(&Pass { geometry: &geometry, jitter_px, role }))?;
             next = if remaining > 0 { Some(receive(job)?) } else { None };
         }

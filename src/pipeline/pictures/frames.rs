@@ -8,7 +8,7 @@ use crate::image::Frame;
 use crate::pipeline::draw::geometry_thread::facts;
 use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
 use crate::pipeline::run::write::Drawn;
-use crate::pipeline::{JerkMeter, PipelineError, PreparedShot, TimeSample};
+use crate::pipeline::{JerkMeter, PipelineError, PreparedShot, RenderOptions, TimeSample};
 use crate::raster::{ChannelGroup, PassRole};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,13 +19,15 @@ use std::time::Instant;
 pub(in crate::pipeline) fn paint_frames(
     gallery: &Gallery,
     prepared: &PreparedShot,
-    (frames, has_overlay): (&[i32], bool),
+    (frames, options): (&[i32], &RenderOptions),
     cancel: &AtomicBool,
     drawn: SyncSender<Drawn>,
 ) -> f64 {
     let painter = Painter::new(gallery, prepared);
+    let has_overlay = options.has_overlay;
     let mut painting = Painting { prepared, painter, has_overlay, jerk: JerkMeter::default(), busy_ms: 0.0 };
     for &frame in frames {
+        options.pause.wait();
         if cancel.load(Ordering::Relaxed) || drawn.send(painting.draw(frame)).is_err() {
             break;
         }

@@ -7,6 +7,7 @@ pub(super) mod events;
 pub(super) mod frame_record;
 pub(super) mod options;
 pub(super) mod output;
+pub(super) mod pause;
 pub(super) mod render_plan;
 pub(super) mod renderer;
 pub(super) mod resume;

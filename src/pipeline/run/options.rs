@@ -2,6 +2,7 @@
 //!
 //! In: the choices of a front end. Out: [`RenderOptions`].
 
+use super::pause::Pause;
 use crate::image::Durability;
 pub use crate::image::Existing;
 use crate::raster::DeviceChoice;
@@ -24,4 +25,6 @@ pub struct RenderOptions {
     pub durability: Durability,
     /// Files that the shot was made from, beyond those that it names; no frame may overwrite them.
     pub inputs: Vec<PathBuf>,
+    /// Where the render waits while something else needs the processor.
+    pub pause: Pause,
 }

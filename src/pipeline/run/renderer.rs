@@ -51,7 +51,7 @@ impl Renderer<'_> {
         cancel: &AtomicBool,
         drawn: SyncSender<Drawn>,
     ) -> f64 {
-        let frames = (frames, options.has_overlay);
+        let frames = (frames, options);
         match self {
             Self::Scene(device) => draw_frames(device, prepared, frames, cancel, drawn),
             Self::Pictures(gallery) => paint_frames(gallery, prepared, frames, cancel, drawn),
