@@ -24,6 +24,8 @@ pub(crate) struct Reference {
     pub(crate) offset: [f32; 2],
     /// Its height in frame heights.
     pub(crate) scale: f32,
+    /// Whether it shows what was rendered, in place of the frame.
+    pub(crate) is_rendered: bool,
     /// The file that was decoded last, and its picture, if it could be decoded.
     decoded: Option<(FileState, Option<Arc<Picture>>)>,
     /// The file that is being decoded, and where its picture arrives.
@@ -54,7 +56,8 @@ impl Reference {
     pub(crate) fn open(path: &Path, frame: i32) -> Result<Self, EditError> {
         let (opacity, is_above, offset, scale) = (0.5, true, [0.0; 2], 1.0);
         let (decoded, pending, fault) = (None, None, None);
-        let reference = Self { path: path.to_owned(), opacity, is_above, offset, scale, decoded, pending, fault };
+        let (path, is_rendered) = (path.to_owned(), false);
+        let reference = Self { path, opacity, is_above, offset, scale, is_rendered, decoded, pending, fault };
         let file = reference.file_of(frame)?;
         FileState::of(file.clone()).map_err(|source| EditError::Io { path: file, source })?;
         Ok(reference)

@@ -90,10 +90,12 @@ macro_rules! actions {
 }
 
 actions! {
+    Start "start" "File" "New, from the start page" "Ctrl+N",
     Open "open" "File" "Open" "Ctrl+O",
     Save "save" "File" "Save" "Ctrl+S",
     SaveAs "save_as" "File" "Save as" "Ctrl+Shift+S",
     Render "render" "File" "Render" "Ctrl+R",
+    RenderOptions "render_options" "File" "Render options" "Ctrl+Alt+R",
     Reference "reference" "File" "Reference picture" "Ctrl+Shift+R",
     Plate "plate" "File" "Choose plate" "Ctrl+P",
     Quit "quit" "File" "Quit" "Ctrl+Q",

@@ -132,7 +132,7 @@ fn a_render_is_begun_by_a_button_that_says_where_frames_go_and_its_end_is_told()
     click(&mut window, &["Close window"]);
     window::until(&mut window, "the render ends", |window| !session(window).is_rendering());
     let told = session(&window).message().unwrap_or_default().to_owned();
-    assert_eq!(told, format!("Rendered: 6 frames in {}", folder.display()));
+    assert_eq!(told, format!("Rendered: 6 EXR frames and 6 PNG previews in {}", folder.display()));
     assert!(!says(&window, &shown), "its window is closed");
     click(&mut window, &["Show the render"]);
     assert!(says(&window, &shown) && window.query_by_label("Show the render").is_none());

@@ -38,15 +38,15 @@ fn muted_layers_rest_and_those_beside_a_solo_rest_in_the_picture_alone() {
     assert!(whole > 20, "{whole}");
     // What is clicked, and whether the left layer acts then.
     for (label, acts) in [
-        ("Mute left", false),
-        ("Unmute left", true),
-        ("Mute right", true),
-        ("Unmute right", true),
+        ("Mute the layer \"left\"", false),
+        ("Unmute the layer \"left\"", true),
+        ("Mute the layer \"right\"", true),
+        ("Unmute the layer \"right\"", true),
         ("Solo right", false),
         ("Solo left", true),
-        ("Mute left", false),
+        ("Mute the layer \"left\"", false),
         ("Solo left", false),
-        ("Unmute left", true),
+        ("Unmute the layer \"left\"", true),
     ] {
         click(&mut window, &[label]);
         assert_eq!(pull(&mut window), if acts { whole } else { 0 }, "{label}");

@@ -33,6 +33,7 @@ impl Document {
     }
 
     fn set_on_disk(&mut self, text: Option<String>) {
+        self.had_file = true;
         match text.clone() {
             Some(text) => self.known.insert(self.path.clone(), text),
             None => self.known.remove(&self.path),

@@ -35,6 +35,8 @@ pub(crate) struct Document {
     plate_size: KnownSize,
     /// The files that the scene may refer to.
     access: FileAccess,
+    /// Whether it ever had a file.
+    had_file: bool,
     history: History,
     journal: Option<Journal>,
     /// What is wrong with the journal, until it is told.
@@ -52,6 +54,7 @@ impl Document {
         let text = read_text(path, SHOT_BYTES).map_err(|source| EditError::Io { path: path.to_owned(), source })?;
         let mut document = Self::new(path, text.clone())?;
         document.known.insert(document.path.clone(), text);
+        document.had_file = true;
         Ok(document)
     }
 
@@ -71,6 +74,7 @@ impl Document {
             shot,
             plate_size,
             access,
+            had_file: false,
             history,
             journal: None,
             journal_fault: None,
@@ -108,7 +112,7 @@ impl Document {
         let io = |source| EditError::Io { path: journal.to_owned(), source };
         let (left, file) = taken_up(journal).map_err(io)?;
         let mut document = Self::new(&left.path, left.text)?;
-        (document.known, document.history) = (left.known, left.history);
+        (document.known, document.history, document.had_file) = (left.known, left.history, true);
         document.journal = Some(Journal::resume(left.journal, file, left.length).map_err(io)?);
         Ok(document)
     }
@@ -165,6 +169,14 @@ impl Document {
     #[must_use]
     pub(crate) fn is_dirty(&self) -> bool {
         self.on_disk() != Some(&self.text)
+    }
+
+    /// Returns whether something would be lost if the document was closed: a shot without a file that nobody changed is made again
+    /// from its scene.
+    #[must_use]
+    pub(crate) fn has_unsaved_work(&self) -> bool {
+        let is_untouched = !self.had_file && self.history.labels().next().is_none();
+        self.is_dirty() && !is_untouched
     }
 
     /// Replaces the text. Consecutive changes with the same `series` are undone together.

@@ -174,6 +174,13 @@ impl Session {
         self.solo.as_deref()
     }
 
+    /// Returns whether a layer acts in the editor: it is neither muted nor beside a soloed one.
+    #[must_use]
+    pub(crate) fn is_heard(&self, layer: usize) -> bool {
+        let layer = self.shot().layers.get(layer);
+        layer.is_none_or(|layer| !layer.is_muted && self.solo().is_none_or(|solo| solo == layer.name))
+    }
+
     /// Forgets a soloed layer that does not exist.
     pub(super) fn forget_missing_layers(&mut self) {
         let layers = &self.document.shot().layers;

@@ -12,6 +12,9 @@ const SHIFTED: f64 = 5.0;
 /// The words for a frame that is solved without the others.
 const PROVISIONAL: &str = "provisional: solved alone, may change";
 
+/// The words for a picture of the shot before the last change.
+const OUTDATED: &str = "older than the pins";
+
 impl Session {
     /// Returns how the picture was made, and what the frame that is asked for still waits for. A frame in which a jump is spread
     /// says so first.
@@ -21,6 +24,9 @@ impl Session {
         if self.fault().is_some() {
             return "cannot be drawn".to_owned();
         }
+        if self.shows_rendered() {
+            return "file of the render".to_owned();
+        }
         let Some(picture) = self.picture() else { return "loading".to_owned() };
         let solving = self.progress().map(|part| format!("solving over time: {:.0} %", 100.0 * part));
         if picture.frame != here {
@@ -29,6 +35,10 @@ impl Session {
                 Some(solving) => format!("{solving}   {shown}"),
                 None => shown,
             };
+        }
+        if picture.revision != self.revision {
+            let state = solving.unwrap_or_else(|| "being drawn".to_owned());
+            return format!("{OUTDATED}: {state}");
         }
         if self.is_dragging() {
             return PROVISIONAL.to_owned();
@@ -93,6 +103,10 @@ mod tests {
         assert_eq!(session.corner(), "provisional: solved alone, may change");
         session.take(Reply::Progress(session.revision, 0.4));
         assert!(session.corner().starts_with("solving over time: 40 %, solved alone"), "{}", session.corner());
+        session.frames_changed();
+        assert_eq!(session.corner(), "older than the pins: being drawn");
+        session.take(Reply::Progress(session.revision, 0.4));
+        assert_eq!(session.corner(), "older than the pins: solving over time: 40 %");
         session.go(12);
         assert_eq!(session.corner(), "solving over time: 40 %   frame 1 shown");
         session.take(Reply::Progress(session.revision, 1.0));

@@ -3,6 +3,7 @@
 use crate::edit::AxisRing;
 use crate::shot::{BrushStroke, Layer, Shot};
 use crate::space::ScreenPoint;
+use glam::DVec2;
 use std::sync::Arc;
 
 /// A press whose surface the worker looks for.
@@ -16,6 +17,16 @@ pub(super) struct Click {
     pub(super) is_whole: bool,
     /// Whether what is selected stays so if there is no surface.
     pub(super) keeps_selection: bool,
+}
+
+/// The pins that a drag carries.
+#[derive(Clone, Debug)]
+pub(super) struct Carried {
+    pub(super) frame: i32,
+    /// Layer and pin of each, and where its target was when the drag began.
+    pub(super) pins: Vec<([usize; 2], ScreenPoint)>,
+    /// How far the pen has moved since then, frame heights.
+    pub(super) by: DVec2,
 }
 
 /// The gesture in progress while the pointer is pressed.
@@ -32,6 +43,7 @@ pub(super) enum Gesture {
         from: ScreenPoint,
         base: Arc<Shot>,
         has_moved: bool,
+        carried: Carried,
     },
     /// A press on a ring: a click, until it has moved by more than `slack` frame heights and becomes a turn.
     OnRing {
@@ -152,6 +164,8 @@ pub(super) struct Painting {
     pub(super) asked_at: ScreenPoint,
     /// Number of questions without an answer.
     pub(super) waiting: usize,
+    /// The pen's way, on the screen.
+    pub(super) way: Vec<ScreenPoint>,
     pub(super) is_up: bool,
     pub(super) base: Arc<Shot>,
 }

@@ -211,12 +211,31 @@ impl Session {
         }
     }
 
+    /// Returns the eases of the selected keys, or of all keys of the selected pins and handles if no key is selected, each once.
+    #[must_use]
+    pub(crate) fn chosen_eases(&self) -> Vec<Ease> {
+        let (shot, keys) = (self.shot(), &self.selection.keys);
+        let is_chosen = |track: Track, time: f64| keys.is_empty() || keys.contains(&(track, time));
+        let tracks = self.selection.tracks(shot).into_iter();
+        let own = tracks.flat_map(|track| track.times(shot).into_iter().map(move |(time, ease)| (track, time, ease)));
+        let mut found = Vec::new();
+        for (_, _, ease) in own.filter(|&(track, time, _)| is_chosen(track, time)) {
+            if !found.contains(&ease) {
+                found.push(ease);
+            }
+        }
+        found
+    }
+
     /// Sets the ease of the selected keys, or of all keys of the selected pins and handles if no key is selected.
     pub(crate) fn ease_keys(&mut self, preset: EasePreset) {
         if self.selection.keys.is_empty() {
             let shot = self.document.shot();
             let times = |track: Track| track.times(shot).into_iter().map(move |(time, _)| (track, time));
             self.selection.keys = self.selection.tracks(shot).into_iter().flat_map(times).collect();
+        }
+        if self.selection.keys.is_empty() {
+            return self.say("No key is selected: click one in the timeline, or a pin, first.");
         }
         let label = format!("{} keys", preset.name());
         self.change_keys(&label, None, |keys, times| keys.edited(KeyEdit::Ease(preset.ease()), times));

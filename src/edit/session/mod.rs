@@ -3,6 +3,7 @@
 //! In: user input and replies of the worker thread. Out: state that widgets draw. Independent of the widget toolkit.
 
 mod arrange;
+mod carried;
 mod channels;
 mod clipboard;
 mod corner;
@@ -363,6 +364,7 @@ impl Session {
         self.fault = None;
         if solved.frame == self.playhead.frame() {
             self.current_solve = Some(Arc::clone(&solved));
+            self.carry_pins();
         }
         if solved.is_final {
             self.take_figures(solved.frame, &solved.report);
@@ -405,6 +407,7 @@ impl Session {
         self.solves.clear();
         self.figures.clear();
         self.turns.clear();
+        self.leave_rendered();
         (self.before, self.fault, self.shifts) = (None, None, None);
     }
 
@@ -516,7 +519,7 @@ impl Session {
         }
         match self.document.undo() {
             Some(label) => self.went("Undone", &label),
-            None => self.say("There is nothing to undo."),
+            None => self.say("Nothing to undo."),
         }
     }
 

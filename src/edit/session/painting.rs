@@ -44,7 +44,6 @@ impl Default for Brush {
 /// The painted triangles of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PaintedFrame {
-    revision: u64,
     frame: i32,
     triangles: Arc<[StiffTriangle]>,
 }
@@ -63,6 +62,7 @@ impl Session {
             layer: None,
             value: if erases { 1.0 } else { self.brush.stiffness },
             asked_at: at,
+            way: Vec::new(),
             waiting: 0,
             is_up: false,
             base: Arc::new(self.document.shot().clone()),
@@ -86,6 +86,7 @@ impl Session {
         let Gesture::Paint(painting) = &mut self.gesture else { return };
         for &at in points {
             painting.asked_at = at;
+            painting.way.push(at);
             painting.waiting += 1;
             self.worker.ask(Question::Brush { id: painting.id, frame, at, mirrors });
         }
@@ -176,6 +177,12 @@ impl Session {
         matches!(self.gesture, Gesture::Paint(_))
     }
 
+    /// Returns the way of the brush on the screen while it paints, and the stiffness that it paints.
+    #[must_use]
+    pub(crate) fn painted_way(&self) -> (&[ScreenPoint], f64) {
+        if let Gesture::Paint(painting) = &self.gesture { (&painting.way, painting.value) } else { (&[], 1.0) }
+    }
+
     /// Returns the centre of the brush while it is sized.
     #[must_use]
     pub(crate) const fn sized_brush(&self) -> Option<ScreenPoint> {
@@ -194,14 +201,15 @@ impl Session {
 
     /// Takes the painted triangles of a frame.
     pub(super) fn take_painted(&mut self, (revision, frame): (u64, i32), triangles: Vec<StiffTriangle>) {
-        self.painted = Some(PaintedFrame { revision, frame, triangles: triangles.into() });
+        if revision == self.revision {
+            self.painted = Some(PaintedFrame { frame, triangles: triangles.into() });
+        }
     }
 
-    /// Returns the painted triangles of the shown frame; none until they are known.
+    /// Returns the painted triangles of the shown frame; those of the shot before the last change until newer ones are known.
     #[must_use]
     pub(crate) fn painted(&self) -> &[StiffTriangle] {
-        let now = (self.revision, self.playhead.frame());
-        let known = self.painted.as_ref().filter(|painted| (painted.revision, painted.frame) == now);
+        let known = self.painted.as_ref().filter(|painted| painted.frame == self.playhead.frame());
         known.map_or(&[], |painted| &painted.triangles)
     }
 }

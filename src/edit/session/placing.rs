@@ -80,7 +80,7 @@ impl Session {
         };
         self.gesture = Gesture::Idle;
         if self.place(layer, &found, click) && !is_up {
-            self.begin_drag(click.from);
+            self.drag_placed(click.from);
             self.motion(at);
         }
     }

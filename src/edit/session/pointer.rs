@@ -69,6 +69,9 @@ pub(crate) struct Ring {
 impl Session {
     /// Handles a pointer press. `reach`: hit distance of points in frame heights.
     pub(crate) fn press(&mut self, at: ScreenPoint, (reach, ring): (f64, Ring), held: Held) {
+        if self.leave_rendered() {
+            return;
+        }
         if self.playhead.is_playing() {
             // The frame that is stopped at is drawn as rendered.
             self.go(self.playhead.frame());
@@ -102,7 +105,7 @@ impl Session {
                 return self.say("The size of this region cannot be seen here: type its radius.");
             }
             self.gesture = match held.part {
-                PinPart::Target => Gesture::Drag { from: at, base, has_moved: false },
+                PinPart::Target => self.drag_from(at, base),
                 PinPart::Radius => Gesture::Region { pin, rest, base },
                 PinPart::Stiffness => Gesture::Stiffness { pin, from: at, base },
             };
@@ -124,14 +127,14 @@ impl Session {
         }
         if let Some(handle) = self.handle_near(at, reach) {
             if base.layers[handle.0].has_auto_dims {
-                return self.say("The dims of this lattice follow its pins: set them in the layer's settings first.");
+                return self.say("The dims of this lattice are automatic: set them in the layer's settings first.");
             }
             if !self.selection.handles.contains(&handle) && !held.adds {
                 self.selection.clear();
             }
             self.selection.layer = handle.0;
             self.selection.handles.insert(handle);
-            self.gesture = Gesture::Drag { from: at, base, has_moved: false };
+            self.gesture = self.drag_from(at, base);
             return;
         }
         if held.adds {
@@ -140,12 +143,6 @@ impl Session {
         }
         let click = self.ask_for_point(at, held.whole);
         self.gesture = Gesture::Placing { click, at, is_up: false };
-    }
-
-    /// Starts dragging the selection.
-    pub(super) fn begin_drag(&mut self, from: ScreenPoint) {
-        let base = Arc::new(self.document.shot().clone());
-        self.gesture = Gesture::Drag { from, base, has_moved: false };
     }
 
     /// Handles pointer movement; `grows`: a rotation gesture also scales.
@@ -168,10 +165,12 @@ impl Session {
                 self.shown.wipe = Wipe::At(share as f32);
             }
             Gesture::Box { to: corner, .. } => *corner = to,
-            Gesture::Drag { from, base, has_moved } => {
+            Gesture::Drag { from, base, has_moved, carried } => {
                 *has_moved = *has_moved || to != *from;
                 let (by, base) = ((to - *from).0, Arc::clone(base));
+                carried.by = by;
                 if *has_moved {
+                    self.carry_pins();
                     let dragged = self.dragged_shot(&base, Move::By(by));
                     self.show_dragged(dragged);
                 }
@@ -273,6 +272,10 @@ impl Session {
 
     /// Cancels the gesture, or clears the selection if there is none.
     pub(crate) fn cancel(&mut self) {
+        if self.gesture.is_idle() && self.leave_rendered() {
+            return;
+        }
+        self.put_carried_back();
         match std::mem::replace(&mut self.gesture, Gesture::Idle) {
             Gesture::Idle => self.selection.clear(),
             _ if self.dragged.is_some() => self.let_go(),

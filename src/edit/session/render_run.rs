@@ -3,9 +3,10 @@
 //! In: a shot. Out: frames on disk, progress, a log.
 
 use super::Session;
-use crate::edit::reference::Reference;
+use crate::edit::render_hold::RenderHold;
+use crate::edit::render_order::RenderOrder;
 use crate::image::Existing;
-use crate::pipeline::{Event, PreparedShot, RenderOptions, Summary, render};
+use crate::pipeline::{Event, Pause, PreparedShot, RenderOptions, Summary, render};
 use crate::raster::DeviceChoice;
 use crate::shot::Shot;
 use crate::spelling::pluralised;
@@ -22,6 +23,10 @@ pub(crate) struct RenderRun {
     pub(crate) shot: PathBuf,
     events: Receiver<RenderMessage>,
     cancel: Arc<AtomicBool>,
+    /// Holds it back while the view needs the processor.
+    hold: RenderHold,
+    /// Whether it writes previews.
+    has_previews: bool,
     /// Number of requested frames.
     pub(crate) frames: usize,
     /// Number of frames processed.
@@ -62,26 +67,42 @@ enum RenderMessage {
 }
 
 impl Session {
-    /// Renders the playback range if there is one, else the whole shot; existing frames that are up to date are kept. A render
-    /// that is running goes on instead.
-    pub(crate) fn render(&mut self, device: DeviceChoice, wake: impl Fn() + Send + Sync + 'static) {
+    /// Renders what is ordered; existing frames that are up to date are kept. A render that is running goes on instead.
+    pub(crate) fn render(
+        &mut self,
+        order: &RenderOrder,
+        device: DeviceChoice,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) {
         if self.is_rendering() {
             return;
         }
-        let frames: Vec<i32> = match self.playhead.has_range() {
-            true => (self.playhead.range()[0]..=self.playhead.range()[1]).collect(),
-            false => Vec::new(),
+        let options = RenderOptions {
+            frames: order.frames(&self.playhead),
+            device,
+            existing: Existing::Resume,
+            has_preview: order.has_previews,
+            ..RenderOptions::default()
         };
         let note = |solo: &str| {
             format!("Solo of '{solo}' is of the window alone: all layers that are not muted are rendered.")
         };
         let note = self.solo().map(note);
-        self.run = Some(RenderRun { note, ..RenderRun::start(self.document.shot().clone(), (frames, device), wake) });
+        self.run = Some(RenderRun { note, ..RenderRun::start(order.shot(self.document.shot()), options, wake) });
+    }
+
+    /// Returns whether the view needs the processor: while something is dragged, and until the frame is drawn.
+    #[must_use]
+    pub(crate) fn needs_processor(&self) -> bool {
+        let is_seen = self.is_final() || self.playhead.is_playing() || self.fault.is_some();
+        self.is_dragging() || !is_seen
     }
 
     /// Follows the render, and tells how it ended, whether its window is open or not. Returns whether anything changed.
     pub(super) fn pump_render(&mut self) -> bool {
+        let needs_processor = self.needs_processor();
         let Some(run) = self.run.as_mut().filter(|run| run.is_running()) else { return false };
+        run.yield_to_view(needs_processor);
         let is_any = run.pump();
         if let Some(told) = run.outcome() {
             self.say(told);
@@ -116,22 +137,6 @@ impl Session {
         self.run.iter().for_each(RenderRun::cancel);
     }
 
-    /// Lays the frames of the last render over the picture, as a reference.
-    pub(crate) fn look_at_render(&mut self) {
-        let frame = self.playhead.frame();
-        let pattern = self.document.shot().output.path.clone();
-        // This frame need not be among those that were rendered.
-        let opened = Reference::open(&pattern, frame).or_else(|_| Reference::open(&pattern, self.playhead.range()[0]));
-        match opened {
-            Ok(mut reference) => {
-                reference.opacity = 1.0;
-                self.put_reference(&pattern, reference);
-                self.say("The rendered frames lie over the picture; View, Reference pictures takes them away.");
-            }
-            Err(error) => self.say(error.to_string()),
-        }
-    }
-
     /// Closes the log of the last render.
     pub(crate) fn close_render(&mut self) {
         if !self.is_rendering() {
@@ -141,25 +146,28 @@ impl Session {
 }
 
 impl RenderRun {
-    fn start(shot: Shot, (frames, device): (Vec<i32>, DeviceChoice), wake: impl Fn() + Send + Sync + 'static) -> Self {
+    fn start(shot: Shot, mut options: RenderOptions, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (path, output, (sender, events)) = (shot.path.clone(), shot.output.path.clone(), channel());
         let cancel = Arc::new(AtomicBool::new(false));
-        let (count, own_cancel) =
-            (if frames.is_empty() { shot.frames.count() } else { frames.len() }, Arc::clone(&cancel));
+        let count = if options.frames.is_empty() { shot.frames.count() } else { options.frames.len() };
+        let (hold, has_previews, own_cancel) = (RenderHold::default(), options.has_preview, Arc::clone(&cancel));
+        let is_held_back = {
+            let (hold, cancel) = (hold.clone(), Arc::clone(&cancel));
+            move || {
+                let is_cancelled = || cancel.load(Ordering::Relaxed);
+                hold.wait(is_cancelled);
+                is_cancelled()
+            }
+        };
+        let pause = is_held_back.clone();
+        options.pause = Pause::new(move || _ = pause());
         let draw = move |send: &(dyn Fn(RenderMessage) + Sync)| {
-            let options = RenderOptions {
-                frames,
-                device,
-                existing: Existing::Resume,
-                has_preview: true,
-                ..RenderOptions::default()
-            };
             let outcome = PreparedShot::new(shot).and_then(|prepared| {
                 render(&prepared, &options, &own_cancel, &|event| {
                     let is_begun = matches!(event, Event::Started { frames, .. } if frames > 0);
                     send(RenderMessage::Event(Box::new(event)));
                     if is_begun {
-                        solve(&prepared, &own_cancel, send);
+                        solve(&prepared, &is_held_back, send);
                     }
                 })
             });
@@ -186,8 +194,23 @@ impl RenderRun {
         }
         let (done, kept, files, is_complete) = (0, 0, Vec::new(), false);
         let (shot, frames, solved) = (path, count, None);
-        let note = None;
-        Self { shot, events, cancel, frames, done, kept, solved, output, note, log, state, is_complete, files }
+        Self {
+            shot,
+            events,
+            cancel,
+            hold,
+            has_previews,
+            frames,
+            done,
+            kept,
+            solved,
+            output,
+            note: None,
+            log,
+            state,
+            is_complete,
+            files,
+        }
     }
 
     /// Returns the part that is done, and what is being done: at first layers are solved over time.
@@ -205,15 +228,46 @@ impl RenderRun {
         let RunState::Ended(words) = &self.state else { return None };
         let folder = self.output.parent().unwrap_or(&self.output).display();
         Some(match self.is_complete {
-            true => format!("Rendered: {} in {folder}", pluralised(self.files.len() + self.kept, "frame", "frames")),
+            true => format!("Rendered: {} in {folder}", self.written()),
             false => format!("Render: {words}"),
         })
+    }
+
+    /// Returns what is on disk: frames that were written, of each kind, and frames that were kept.
+    fn written(&self) -> String {
+        let count = self.files.len();
+        let frames = pluralised(count, "EXR frame", "EXR frames");
+        let previews = self.has_previews.then(|| pluralised(count, "PNG preview", "PNG previews"));
+        let kept = (self.kept > 0).then(|| format!("{} kept", pluralised(self.kept, "EXR frame", "EXR frames")));
+        let written = previews.map_or(frames.clone(), |previews| format!("{frames} and {previews}"));
+        match kept {
+            Some(kept) if count == 0 => kept,
+            Some(kept) => format!("{written}, {kept},"),
+            None => written,
+        }
+    }
+
+    /// Returns the name of its shot.
+    #[must_use]
+    pub(crate) fn name(&self) -> String {
+        self.shot.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// Holds it back while the view needs the processor.
+    pub(crate) fn yield_to_view(&self, needs_processor: bool) {
+        self.hold.set(needs_processor);
     }
 
     /// Returns whether it is running.
     #[must_use]
     pub(crate) fn is_running(&self) -> bool {
         self.state == RunState::Running
+    }
+
+    /// Returns whether frames of it are on disk.
+    #[must_use]
+    pub(crate) fn has_frames(&self) -> bool {
+        self.kept > 0 || !self.files.is_empty()
     }
 
     /// Returns whether it ended without all of its frames.
@@ -251,7 +305,9 @@ impl RenderRun {
         match event {
             Event::Started { device, frames, kept } => {
                 (self.frames, self.kept) = (frames, kept);
-                self.log.push(format!("{device} draws {frames} frames"));
+                let previews = if self.has_previews { ", each with a PNG preview" } else { "" };
+                self.log.push(format!("{} to draw{previews}", pluralised(frames, "EXR frame", "EXR frames")));
+                self.log.push(format!("Device: {device}"));
             }
             Event::Note { text } => self.log.push(text),
             Event::FrameRedone(_) => {}
@@ -276,13 +332,13 @@ impl RenderRun {
 }
 
 /// Solves the layers over time, which the frames then find solved. A fault is told with the first frame.
-fn solve(prepared: &PreparedShot, cancel: &AtomicBool, send: &(dyn Fn(RenderMessage) + Sync)) {
+fn solve(prepared: &PreparedShot, is_cancelled: &(dyn Fn() -> bool + Sync), send: &(dyn Fn(RenderMessage) + Sync)) {
     if prepared.is_settled() {
         return;
     }
     send(RenderMessage::Solved(0.0));
     let progress = |part: f64| send(RenderMessage::Solved(part));
-    if prepared.solve_trajectories(&|| cancel.load(Ordering::Relaxed), &progress).is_err() {
+    if prepared.solve_trajectories(is_cancelled, &progress).is_err() {
         return;
     }
     send(RenderMessage::Solved(1.0));
@@ -292,6 +348,7 @@ fn solve(prepared: &PreparedShot, cancel: &AtomicBool, send: &(dyn Fn(RenderMess
 mod tests {
     use super::*;
     use crate::pipeline::FrameReport;
+    use crate::space::ScreenPoint;
 
     /// A render whose thread ended without a word.
     fn abandoned() -> RenderRun {
@@ -301,6 +358,8 @@ mod tests {
             shot: "a.toml".into(),
             events,
             cancel,
+            hold: RenderHold::default(),
+            has_previews: true,
             frames: 77,
             done: 0,
             kept: 0,
@@ -352,17 +411,45 @@ mod tests {
             follow(event(Event::FrameDone(FrameReport { frame, ..FrameReport::default() })));
         }
         let (at, told) = follow(event(Event::Finished(Summary { rendered: 2, kept: 22, ..Summary::default() })));
-        assert_eq!((at.as_str(), told.as_deref()), ("frame 2 / 2", Some("Rendered: 24 frames in out")));
+        assert_eq!(
+            (at.as_str(), told.as_deref()),
+            ("frame 2 / 2", Some("Rendered: 2 EXR frames and 2 PNG previews, 22 EXR frames kept, in out"))
+        );
         session.say("else");
         session.pump();
         assert_eq!(session.message(), Some("else"), "it is told once");
     }
 
     #[test]
+    fn a_render_waits_while_the_view_needs_the_processor() {
+        let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
+        let (_sender, events) = channel();
+        session.run = Some(RenderRun { events, ..abandoned() });
+        let is_held = |session: &mut Session| {
+            session.pump_render();
+            session.run().is_some_and(|run| run.hold.is_on())
+        };
+        session.fault = None;
+        assert!(is_held(&mut session), "the frame is not drawn yet");
+        session.fault = Some("no scene".into());
+        assert!(!is_held(&mut session), "there is nothing to wait for");
+        session.drag_placed(ScreenPoint::new(0.5, 0.5));
+        assert!(is_held(&mut session), "something is dragged");
+        let hold = session.run().expect("it runs").hold.clone();
+        let waits = std::thread::spawn(move || hold.wait(|| false));
+        session.release();
+        assert!(!is_held(&mut session));
+        waits.join().expect("it goes on");
+        let run = session.take_run().expect("it runs");
+        run.yield_to_view(true);
+        run.hold.wait(|| true);
+    }
+
+    #[test]
     fn a_running_render_is_not_replaced() {
         let mut session = Session::of_text("scene = 'a.glb'\nframes = { first = 1, last = 24 }\n");
         session.run = Some(abandoned());
-        session.render(DeviceChoice::Cpu, || ());
+        session.render(&RenderOrder::default(), DeviceChoice::Cpu, || ());
         assert_eq!(session.run().map(|run| run.frames), Some(77));
     }
 }

@@ -1,7 +1,7 @@
 //! Executes actions, triggered by keys or menus.
 
 use super::browser::Purpose;
-use super::editor::Editor;
+use super::editor::{Deferred, Editor};
 use super::keys;
 use crate::edit::{Action, Session, Wipe};
 use eframe::egui;
@@ -19,6 +19,8 @@ impl Editor {
             Action::Keys => (self.shows_keys, self.rebound) = (!self.shows_keys, None),
             Action::Tour => self.tour(ctx),
             Action::Render => self.render(ctx),
+            Action::RenderOptions => self.shows_render = self.session.is_some(),
+            Action::Start if self.session.is_some() => self.leave(ctx, Deferred::Start),
             Action::Curves => self.timeline.toggle_curves(),
             // Whoever deletes key after key in the timeline means no pin.
             Action::Delete if self.timeline.has_focus() => {
@@ -59,10 +61,10 @@ impl Editor {
         }
     }
 
-    fn render(&mut self, ctx: &egui::Context) {
+    pub(super) fn render(&mut self, ctx: &egui::Context) {
         let Some(session) = &mut self.session else { return };
         let wake = ctx.clone();
-        session.render(self.options.device.clone(), move || wake.request_repaint());
+        session.render(&self.render_order, self.options.device.clone(), move || wake.request_repaint());
         self.shows_render = true;
     }
 }
@@ -77,7 +79,13 @@ fn on_session(ctx: &egui::Context, session: &mut Session, action: Action, now: f
     }
     let shown = &mut session.shown;
     match action {
-        Action::Undo => session.undo(),
+        Action::Undo => {
+            // A look at rendered frames is what was done last.
+            let has_left = session.leave_rendered();
+            if !has_left {
+                session.undo();
+            }
+        }
         Action::Redo => session.redo(),
         Action::Copy => {
             session.copy_keys();

@@ -127,7 +127,7 @@ impl Browser {
                     let path = self.folder.join(name);
                     if response.clicked() && *is_folder {
                         entered = Some(path);
-                    } else if response.double_clicked() && self.purpose != Purpose::SaveAs {
+                    } else if self.purpose != Purpose::SaveAs && is_opened(&response, &path, &self.path) {
                         choice = Choice::File(path);
                     } else if response.clicked() {
                         self.path = path.to_string_lossy().into_owned();
@@ -169,6 +169,12 @@ impl Browser {
         }
         Choice::File(if self.purpose == Purpose::SaveAs { shot_path(path) } else { path })
     }
+}
+
+/// Returns whether a click opens an entry: a double click, or one on what is chosen already. In a slow window the clicks of a double click
+/// are seen apart.
+fn is_opened(response: &Response, path: &Path, chosen: &str) -> bool {
+    response.double_clicked() || response.clicked() && Path::new(chosen) == path
 }
 
 /// Returns the part of a path, from letter to letter, that another one is typed over: of a shot the name without its ending.

@@ -37,6 +37,18 @@ pub(super) fn painted(painter: &Painter, session: &Session, place: impl Fn(crate
     }
 }
 
+/// Draws the way of the brush while it paints, before the surface under it is known.
+pub(super) fn way(
+    painter: &Painter,
+    session: &Session,
+    radius: f32,
+    place: impl Fn(crate::space::ScreenPoint) -> Pos2,
+) {
+    let (way, stiffness) = session.painted_way();
+    let color = if stiffness == 1.0 { Color32::from_white_alpha(20) } else { color(stiffness).gamma_multiply(0.35) };
+    way.iter().for_each(|&point| _ = painter.circle_filled(place(point), radius, color));
+}
+
 /// Draws the brush, with what it does.
 pub(super) fn ring(painter: &Painter, at: Pos2, radius: f32, words: &str) {
     painter.circle_stroke(at, radius, Stroke::new(3.0, Color32::from_black_alpha(90)));

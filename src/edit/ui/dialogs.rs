@@ -1,7 +1,7 @@
-//! Modal windows: render progress, questions.
+//! Modal windows: questions.
 
-use crate::edit::{ExportOrder, RunState, Session};
-use eframe::egui::{self, Align2, Modal, RichText, ScrollArea, vec2};
+use crate::edit::{ExportOrder, Session};
+use eframe::egui::{self, Modal};
 
 /// The answer to a three-way question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,50 +9,6 @@ pub(super) enum Answer {
     First,
     Second,
     Cancel,
-}
-
-/// Shows the current or last render. Returns false once closed.
-pub(super) fn render(ctx: &egui::Context, session: &mut Session) -> bool {
-    let mut is_wanted = false;
-    let is_open = run_window(ctx, session, &mut is_wanted);
-    if is_wanted {
-        session.look_at_render();
-    }
-    is_open && !is_wanted
-}
-
-fn run_window(ctx: &egui::Context, session: &Session, is_wanted: &mut bool) -> bool {
-    let Some(run) = session.run() else { return false };
-    let (mut is_open, mut is_closed) = (true, false);
-    let window = egui::Window::new("Render").open(&mut is_open).collapsible(true).default_size(vec2(520.0, 320.0));
-    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ctx, |ui| {
-        let (part, stage) = run.progress();
-        ui.weak(format!("Frames go to {}", run.output.display()));
-        if let Some(note) = &run.note {
-            ui.colored_label(ui.visuals().warn_fg_color, note);
-        }
-        ui.horizontal(|ui| {
-            ui.add(egui::ProgressBar::new(part as f32).desired_width(380.0).text(stage));
-            match &run.state {
-                RunState::Running if ui.button("Cancel").clicked() => session.cancel_render(),
-                RunState::Running => {}
-                RunState::Ended(_) => is_closed = ui.button("Close").clicked(),
-            }
-        });
-        if let RunState::Ended(words) = &run.state {
-            ui.strong(words);
-            let hint = "Lays the rendered frames over the picture, frame by frame, as the reference";
-            let look = ui.add_enabled(!run.files.is_empty(), egui::Button::new("Look at the frames"));
-            *is_wanted = look.on_hover_text(hint).clicked();
-        }
-        ui.separator();
-        ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).max_height(240.0).show(ui, |ui| {
-            for line in &run.log {
-                ui.label(RichText::new(line).small().monospace());
-            }
-        });
-    });
-    is_open && !is_closed
 }
 
 /// Asks whether an export may replace files that are there already.

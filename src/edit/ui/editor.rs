@@ -8,7 +8,7 @@ use super::start::StartAction;
 use super::timeline::Timeline;
 use super::viewport::Textures;
 use super::{bundled, dialogs, export_window, key_window, keys, menus, panels, start, theme, tour_window, viewport};
-use crate::edit::{Action, Document, Dropped, EditError, RenderRun, Session, Shortcuts, Tour, Unfinished};
+use crate::edit::{Action, Document, Dropped, EditError, RenderOrder, RenderRun, Session, Shortcuts, Tour, Unfinished};
 use crate::edit::{recent_shots, remember_shot, unfinished};
 use crate::files::is_same_file;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 pub(super) enum Deferred {
     Open(Dropped),
     Tour,
+    /// Goes back to the start page.
+    Start,
     Quit,
 }
 
@@ -61,6 +63,7 @@ pub(crate) struct Editor {
     pub(super) were_keys_taken: bool,
     tour: Option<Tour>,
     pub(super) shows_render: bool,
+    pub(super) render_order: RenderOrder,
     pub(super) questions: Questions,
     pub(super) may_close: bool,
 }
@@ -102,6 +105,7 @@ impl Editor {
             were_keys_taken: false,
             tour: None,
             shows_render: false,
+            render_order: RenderOrder::default(),
             questions: Questions::default(),
             may_close: false,
         }
@@ -144,6 +148,7 @@ impl Editor {
         {
             tracing::warn!("the shot cannot be listed on the start page: {error}");
         }
+        self.recent = recent_shots(&self.options.recent());
         if !document.has_journal() {
             self.look_for_work(document.path());
             document.keep_journal(&self.options.journals());
@@ -156,6 +161,13 @@ impl Editor {
         }
     }
 
+    /// Closes the open shot, and shows the start page.
+    pub(super) fn show_start(&mut self) {
+        self.background.extend(self.session.as_mut().and_then(Session::take_run));
+        (self.session, self.tour, self.shows_render) = (None, None, false);
+        self.left = unfinished(&self.options.journals());
+    }
+
     /// Starts editing a document without a journal, leaving nothing on disk.
     pub(super) fn begin_unjournaled(&mut self, ctx: &egui::Context, document: Document) {
         let wake = ctx.clone();
@@ -166,6 +178,7 @@ impl Editor {
         if let Some(run) = self.background.extract_if(.., |run| is_same_file(&run.shot, &path)).next() {
             session.resume_run(run);
         }
+        self.shows_render &= session.run().is_some();
         self.session = Some(session);
     }
 
@@ -232,7 +245,7 @@ impl Editor {
     fn bar(&mut self, ui: &mut Ui, ctx: &egui::Context, now: f64) {
         let chosen = Panel::top("bar").show(ui, |ui| {
             ui.horizontal(|ui| {
-                let mut chosen = menus::show(ui, self.session.as_mut(), &self.shortcuts);
+                let (mut chosen, opened) = menus::show(ui, self.session.as_mut(), &self.shortcuts, &self.recent);
                 if let Some(session) = &self.session {
                     let keys = (&self.shortcuts, !self.shows_render);
                     match menus::state(ui, session, &self.background, keys) {
@@ -241,12 +254,16 @@ impl Editor {
                         None => {}
                     }
                 }
-                chosen
+                (chosen, opened)
             })
             .inner
         });
-        for action in chosen.inner {
+        let (actions, opened) = chosen.inner;
+        for action in actions {
             self.act(ctx, action, now);
+        }
+        if let Some(shot) = opened {
+            self.try_open(ctx, Dropped::of([shot]));
         }
     }
 
@@ -324,12 +341,7 @@ impl Editor {
                 self.tour = None;
             }
         }
-        if let Some(session) = self.session.as_mut().filter(|_| self.shows_render) {
-            self.shows_render = dialogs::render(ctx, session);
-            if !self.shows_render {
-                session.close_render();
-            }
-        }
+        self.render_window(ctx);
         if let Some(session) = &mut self.session {
             export_window::show(ctx, session);
             dialogs::replace_exported(ctx, session);
@@ -365,7 +377,7 @@ impl Editor {
     /// Asks about unsaved work and what is running before the window closes.
     fn close(&mut self, ctx: &egui::Context) {
         let is_wanted = ctx.input(|input| input.viewport().close_requested());
-        let is_dirty = self.session.as_ref().is_some_and(|session| session.document().is_dirty());
+        let is_dirty = self.session.as_ref().is_some_and(|session| session.document().has_unsaved_work());
         let is_running = self.is_running() || !self.background.is_empty();
         if is_wanted && (is_dirty || is_running) && !self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);

@@ -33,7 +33,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
     ui.separator();
     match &handles[..] {
         [] if has_auto_dims => {
-            ui.weak("The dims of this lattice follow its pins: set them in the layer's settings to move handles.");
+            ui.weak("The dims of this lattice are automatic: set them in the layer's settings to move handles.");
             return;
         }
         [] => {

@@ -9,7 +9,7 @@ use super::turn_fields;
 use crate::edit::{Figure, Session};
 use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion};
 use crate::space::{ScreenPoint, ScreenVector};
-use eframe::egui::{self, Checkbox, Color32, Grid, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Align, Checkbox, Color32, Grid, Label, Layout, RichText, ScrollArea, Ui, vec2};
 
 /// The field of a pin's name.
 const NAME: NameField = NameField { name: "Pin name", hint: "Pin name", width: f32::INFINITY };
@@ -67,7 +67,7 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
         ui.weak(match (own.is_muted, is_keyed) {
             (true, _) => "muted: it does not act",
             (false, true) => "keyed in this frame",
-            (false, false) => "between keys",
+            (false, false) => between(own.key_frames(), key.frame),
         });
     });
     Grid::new("pin").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
@@ -76,6 +76,16 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
         region(ui, session, (at, own.region));
         weight(ui, session, at, own.weight);
     });
+}
+
+/// Returns where a frame lies among keys.
+fn between(keys: impl Iterator<Item = f64>, frame: f64) -> &'static str {
+    match keys.fold([false; 2], |[before, after], key| [before || key < frame, after || key > frame]) {
+        [true, true] => "between keys",
+        [true, false] => "after the last key",
+        [false, true] => "before the first key",
+        [false, false] => "without keys",
+    }
 }
 
 /// Edits the pin's weight, from soft to hard.
@@ -243,19 +253,22 @@ fn report(ui: &mut Ui, session: &mut Session) {
         true => format!("Go to the worst frame of those that are known: {known} of {all} frames so far"),
         false => "Go to the worst frame of those that are played".to_owned(),
     };
-    Grid::new("report").num_columns(3).spacing([10.0, 4.0]).show(ui, |ui| {
-        for figure in Figure::ALL {
-            let Some(here) = figure.of(&solve.report) else { continue };
-            ui.label(figure.name()).on_hover_text(figure.explanation());
-            let color = if figure.is_bad(here) { heat(3.0) } else { ui.visuals().text_color() };
-            ui.label(RichText::new(format!("{here:.3}")).color(color).monospace());
+    for figure in Figure::ALL {
+        let Some(here) = figure.of(&solve.report) else { continue };
+        let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
+        // The number comes first, so that the name takes what is left.
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let button = ui.small_button("worst").on_hover_text(&hint);
             if button.accessible_name(format!("Worst frame by {}", figure.name())).clicked() {
                 wanted = Some(figure);
             }
-            ui.end_row();
-        }
-    });
+            let color = if figure.is_bad(here) { heat(3.0) } else { ui.visuals().text_color() };
+            ui.label(RichText::new(format!("{here:.3}")).color(color).monospace());
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(figure.name()).truncate()).on_hover_text(figure.explanation());
+            });
+        });
+    }
     if known < all && solve.is_final {
         ui.weak(format!("Worst of {known} of {all} frames so far"));
     }

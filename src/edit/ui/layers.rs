@@ -67,7 +67,7 @@ fn row(ui: &mut Ui, session: &Session, index: usize, click: &mut Option<Click>) 
     let is_muted = layer.is_muted;
     ui.horizontal(|ui| {
         let (eye, name) = if is_muted { (Icon::Unseen, "Unmute") } else { (Icon::Seen, "Mute") };
-        if icons::button(ui, eye, &format!("{name} {}", layer.name)).clicked() {
+        if icons::button(ui, eye, &format!("{name} the layer \"{}\"", layer.name)).clicked() {
             *click = Some(Click::Mute(layer.name.clone()));
         }
         let solo = ui.selectable_label(session.is_solo(&layer.name), "S").accessible(&format!("Solo {}", layer.name));

@@ -49,7 +49,7 @@ impl Over<'_> {
     /// Draws all enabled overlays.
     pub(super) fn draw(&self) {
         let shown = self.session.shown;
-        if shown.is_hidden {
+        if shown.is_hidden || self.session.shows_rendered() {
             return;
         }
         if shown.safe_areas {
@@ -192,13 +192,14 @@ impl Over<'_> {
         let session = self.session;
         let is_chosen = session.selection.pins.contains(&[layer, pin.pin]);
         let (rest, target) = (self.at(pin.rest), self.at(pin.target));
+        let color = if session.is_heard(layer) { over::PIN } else { over::MUTED_PIN };
         if !pin.rim.is_empty() && is_chosen {
             let rim: Vec<Pos2> = pin.rim.iter().map(|&point| self.at(point)).collect();
             self.painter.line(rim, Stroke::new(1.5, over::REGION));
         }
         if session.shown.rest && rest.distance(target) > 3.0 {
             self.painter.line_segment([rest, target], Stroke::new(3.0, over::SHADE));
-            self.painter.line_segment([rest, target], Stroke::new(1.2, over::PIN));
+            self.painter.line_segment([rest, target], Stroke::new(1.2, color));
             self.painter.circle_stroke(rest, 4.0, Stroke::new(3.0, over::SHADE));
             self.painter.circle_stroke(rest, 4.0, Stroke::new(1.4, over::REST));
         }
@@ -217,7 +218,7 @@ impl Over<'_> {
             }
         }
         self.painter.circle_filled(target, radius + 1.5, over::SHADE);
-        self.painter.circle_filled(target, radius, over::PIN);
+        self.painter.circle_filled(target, radius, color);
         if is_chosen {
             self.painter.circle_stroke(target, radius, Stroke::new(2.0, over::CHOSEN));
         }

@@ -1,5 +1,6 @@
 //! The menu bar with the file's name and status, and the hint line.
 
+use super::accessible::Accessible;
 use super::icons::{self, Icon};
 use super::keys::words;
 use super::references;
@@ -7,14 +8,20 @@ use crate::edit::{Action, EXPORTS, Onion, RenderRun, Session, Shortcuts, Wipe};
 use eframe::egui::containers::menu::MenuConfig;
 use eframe::egui::widgets::color_picker;
 use eframe::egui::{self, Button, Color32, PopupCloseBehavior, ProgressBar, RichText, ThemePreference, Ui};
+use std::path::PathBuf;
 
 /// The default hint after its first words: the basic operations in one line.
 const HINT: &str = "Drag a pin: move it.  Its ring: turn, with Shift scale, too.  Empty space: select.  Wheel: zoom.  \
                     Middle button or Space: pan.  F1: keys.";
 
-/// Shows the menus; returns the selected actions.
-pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &Shortcuts) -> Vec<Action> {
-    let mut chosen = Vec::new();
+/// Shows the menus; returns the selected actions, and the shot to open of the `recent` ones.
+pub(super) fn show(
+    ui: &mut Ui,
+    mut session: Option<&mut Session>,
+    shortcuts: &Shortcuts,
+    recent: &[PathBuf],
+) -> (Vec<Action>, Option<PathBuf>) {
+    let (mut chosen, mut opened) = (Vec::new(), None);
     let is_open = session.is_some();
     // Switches and sliders leave their menu open, so that several can be set at once; actions close it.
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
@@ -27,11 +34,14 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
             }
         };
         ui.menu_button("File", |ui| {
+            entry(ui, Action::Start, is_open);
             entry(ui, Action::Open, true);
+            opened = open_recent(ui, recent);
             entry(ui, Action::Save, is_open);
             entry(ui, Action::SaveAs, is_open);
             ui.separator();
             entry(ui, Action::Render, is_open);
+            entry(ui, Action::RenderOptions, is_open);
             entry(ui, Action::Plate, is_open);
             entry(ui, Action::Reference, is_open);
             if let Some(session) = session.as_deref_mut() {
@@ -84,7 +94,7 @@ pub(super) fn show(ui: &mut Ui, mut session: Option<&mut Session>, shortcuts: &S
             entry(ui, Action::Keys, true);
         });
     });
-    chosen
+    (chosen, opened)
 }
 
 fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
@@ -125,6 +135,21 @@ fn switches(ui: &mut Ui, session: &mut Session, shortcuts: &Shortcuts) {
         Wipe::Ghost(opacity) => _ = ui.add(egui::Slider::new(opacity, 0.05..=1.0).text("opacity of the ghost")),
         Wipe::Off => {}
     }
+}
+
+/// Lists recent shots; returns the one to open.
+fn open_recent(ui: &mut Ui, recent: &[PathBuf]) -> Option<PathBuf> {
+    let mut opened = None;
+    ui.menu_button("Open recent", |ui| {
+        for shot in recent {
+            let name = shot.file_name().unwrap_or_default().to_string_lossy();
+            if ui.button(&*name).on_hover_text(shot.display().to_string()).clicked() {
+                opened = Some(shot.clone());
+                ui.close();
+            }
+        }
+    });
+    opened
 }
 
 /// Shows the export formats.
@@ -210,6 +235,9 @@ pub(super) fn state(
     let sign = if session.document().is_dirty() { "not saved" } else { "" };
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.add_space(6.0);
+        if icons::button(ui, Icon::Down, "Render options").clicked() {
+            click = Some(BarClick::ShowRender);
+        }
         if render(ui, session, shortcuts) {
             click = Some(BarClick::Render);
         }
@@ -217,16 +245,16 @@ pub(super) fn state(
             ui.add(ProgressBar::new(part as f32).desired_width(110.0).text("over time"));
         }
         for run in background {
-            let name = run.shot.file_name().unwrap_or_default().to_string_lossy();
-            if icons::button(ui, Icon::Minus, &format!("Cancel the render of {name}")).clicked() {
+            let name = run.name();
+            if ui.small_button("Cancel").accessible(&format!("Cancel the render of {name}")).clicked() {
                 run.cancel();
             }
-            let bar = ui.add(progress(run)).on_hover_text(format!("Rendering {}", run.shot.display()));
+            let bar = ui.add(progress(run, true)).on_hover_text(format!("Rendering {}", run.shot.display()));
             bar.accessible_name(format!("Rendering {name}"));
         }
         if let Some(run) = session.run() {
             if run.is_running() {
-                ui.add(progress(run));
+                ui.add(progress(run, !background.is_empty()));
             }
             if is_hidden && ui.button("Show the render").on_hover_text("Progress, log, frames").clicked() {
                 click = Some(BarClick::ShowRender);
@@ -238,10 +266,11 @@ pub(super) fn state(
     click
 }
 
-/// Returns the progress of a render.
-fn progress(run: &RenderRun) -> ProgressBar {
+/// Returns the progress of a render, with its shot where there are several.
+fn progress(run: &RenderRun, is_named: bool) -> ProgressBar {
     let (part, stage) = run.progress();
-    ProgressBar::new(part as f32).desired_width(160.0).text(stage)
+    let text = if is_named { format!("{}: {stage}", run.name()) } else { stage };
+    ProgressBar::new(part as f32).desired_width(if is_named { 260.0 } else { 160.0 }).text(text)
 }
 
 /// Shows the bottom line: the message of the last action, or a hint.

@@ -38,6 +38,8 @@ mod picture_parts;
 mod pin_names;
 mod questions;
 mod references;
+mod render_window;
+mod rendered_bar;
 mod screenshot;
 mod shot_panel;
 mod software;

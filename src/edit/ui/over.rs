@@ -19,6 +19,8 @@ pub(super) const HANDLE: Color32 = Color32::from_rgb(120, 200, 235);
 pub(super) const REST: Color32 = Color32::from_rgb(205, 205, 205);
 /// Pins.
 pub(super) const PIN: Color32 = ACCENT;
+/// Pins of layers that are muted in the editor.
+pub(super) const MUTED_PIN: Color32 = Color32::from_rgb(112, 96, 78);
 /// Selected pins.
 pub(super) const CHOSEN: Color32 = Color32::WHITE;
 /// Outline under lines and text, so that they are visible on any picture.

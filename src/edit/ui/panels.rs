@@ -6,7 +6,10 @@ use super::panel_edge::{PanelEdge, Side};
 use super::timeline::Timeline;
 use super::{inspector, layers, menus};
 use crate::edit::{PanelSizes, Session};
-use eframe::egui::{Panel, Ui};
+use eframe::egui::{Panel, Ui, UiBuilder};
+
+/// Width in points of what stands beside a slider in a panel: its indent, its name and its number.
+const BESIDE_SLIDER: f32 = 164.0;
 
 /// Shows the panels. `now`: the time in seconds.
 pub(super) fn show(
@@ -26,8 +29,11 @@ pub(super) fn show(
     is_resized |= edge.keyboard(ui);
     let panel = Panel::bottom("timeline").resizable(true).default_size(kept.timeline.unwrap_or(height));
     let shown = panel.size_range(110.0..=520.0).show(ui, |ui| {
-        ui.add_space(3.0);
-        timeline.show(ui, session, now);
+        fixed(ui, |ui| {
+            // Buttons begin below what catches the edge.
+            ui.add_space(6.0);
+            timeline.show(ui, session, now);
+        });
     });
     edge.show(ui, shown.response.rect);
     let timeline = Some(shown.response.rect.height());
@@ -35,13 +41,23 @@ pub(super) fn show(
     let side = |panel: Panel, size: Option<f32>| panel.default_size(size.unwrap_or(width)).size_range(200.0..=420.0);
     let edge = PanelEdge::of(ui, "layers", (Side::Right, "Width of the layers"));
     is_resized |= edge.keyboard(ui);
-    let shown = side(Panel::left("layers"), kept.layers).show(ui, |ui| layers::show(ui, session));
+    let shown = side(Panel::left("layers"), kept.layers).show(ui, |ui| fixed(ui, |ui| layers::show(ui, session)));
     edge.show(ui, shown.response.rect);
     let layers = Some(shown.response.rect.width());
 
     let edge = PanelEdge::of(ui, "pin", (Side::Left, "Width of the numbers"));
     is_resized |= edge.keyboard(ui);
-    let shown = side(Panel::right("pin"), kept.inspector).show(ui, |ui| inspector::show(ui, session));
+    let shown = side(Panel::right("pin"), kept.inspector).show(ui, |ui| fixed(ui, |ui| inspector::show(ui, session)));
     edge.show(ui, shown.response.rect);
     (PanelSizes { timeline, layers, inspector: Some(shown.response.rect.width()) }, is_resized)
+}
+
+/// Shows what a panel contains. The panel keeps its size, whatever that is: the picture must not move under the pointer.
+fn fixed(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let rect = ui.available_rect_before_wrap();
+    let mut own = ui.new_child(UiBuilder::new().max_rect(rect));
+    own.shrink_clip_rect(rect);
+    own.spacing_mut().slider_width = (rect.width() - BESIDE_SLIDER).clamp(30.0, own.spacing().slider_width);
+    add(&mut own);
+    ui.advance_cursor_after_rect(rect);
 }

@@ -22,7 +22,7 @@ impl Editor {
 
     /// Does what leaves the open shot, after questions about unsaved work and what is running.
     pub(super) fn leave(&mut self, ctx: &egui::Context, deferred: Deferred) {
-        if self.session.as_ref().is_some_and(|session| session.document().is_dirty()) {
+        if self.session.as_ref().is_some_and(|session| session.document().has_unsaved_work()) {
             self.questions.unsaved = Some(deferred);
         } else {
             self.leave_running(ctx, deferred);
@@ -61,6 +61,10 @@ impl Editor {
         match deferred {
             Deferred::Open(files) => self.open_files(ctx, files),
             Deferred::Tour => self.begin_tour(ctx),
+            Deferred::Start => {
+                self.show_start();
+                true
+            }
             Deferred::Quit => {
                 self.session.iter().for_each(|session| {
                     session.cancel_export();
@@ -129,7 +133,11 @@ impl Editor {
 
     /// Follows the renders of shots that are not open any more, and tells how they ended.
     pub(super) fn follow_background(&mut self) {
-        self.background.iter_mut().for_each(|run| _ = run.pump());
+        let needs_processor = self.session.as_ref().is_some_and(Session::needs_processor);
+        self.background.iter_mut().for_each(|run| {
+            run.yield_to_view(needs_processor);
+            run.pump();
+        });
         for run in self.background.extract_if(.., |run| !run.is_running()) {
             self.has_background_failed |= run.has_failed();
             let (Some(told), Some(session)) = (run.outcome(), &mut self.session) else { continue };

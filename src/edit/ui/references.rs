@@ -13,7 +13,7 @@ const POLL: Duration = Duration::from_millis(15);
 
 /// Shows the submenu of the reference pictures, if there are any, the uppermost first.
 pub(super) fn show(ui: &mut Ui, session: &mut Session) {
-    if session.references.is_empty() {
+    if session.references.iter().all(|reference| reference.is_rendered) {
         return;
     }
     ui.separator();
@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
 
 fn settings(ui: &mut Ui, session: &mut Session) {
     let mut removed = None;
-    for (place, reference) in session.references.iter_mut().enumerate().rev() {
+    for (place, reference) in session.references.iter_mut().enumerate().rev().filter(|(_, own)| !own.is_rendered) {
         let name = reference.name();
         ui.push_id(("reference", place), |ui| {
             ui.horizontal(|ui| {
@@ -61,6 +61,8 @@ pub(super) struct Laid {
     pub(super) rect: Rect,
     pub(super) color: Color32,
     pub(super) is_above: bool,
+    /// Whether it takes the place of the frame.
+    pub(super) is_rendered: bool,
 }
 
 /// Returns the reference pictures of the current frame, from the bottom to the top; `None` where a sequence lacks it.
@@ -77,6 +79,7 @@ pub(super) fn laid(ctx: &Context, session: &mut Session, (frame, lens): (Rect, &
             rect,
             color: Color32::WHITE.gamma_multiply(reference.opacity),
             is_above: reference.is_above,
+            is_rendered: reference.is_rendered,
         })
     });
     let laid = laid.collect();

@@ -33,11 +33,16 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session) {
             let name = session.shot().output.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             ui.add(Label::new(name).truncate()).on_hover_text(output);
             ui.end_row();
-            ui.label("Samples");
+            let shutter = session.shot().shutter.angle;
+            let (name, hint) = match shutter > 0.0 {
+                true => ("Motion blur", format!("Samples of a pixel, spread over a shutter of {shutter:.0} degrees: more are smoother and slower")),
+                false => ("Smoothing", "Samples of a pixel; the shutter is closed: no motion blur".to_owned()),
+            };
+            ui.label(name);
             let mut samples = session.shot().samples;
             if ui
-                .add(whole(&mut samples, 1..=4096))
-                .explained("Samples", "Samples a pixel of the rendered frame: more are smoother and slower")
+                .add(whole(&mut samples, 1..=4096).suffix(" samples"))
+                .explained("Samples", &hint)
                 .changed()
             {
                 session.set_shot("Change samples", &["samples"], &Setting::Whole(i64::from(samples)), Some("samples"));
@@ -59,13 +64,14 @@ fn clip(ui: &mut Ui, session: &mut Session) {
         None => clips[0].0.clone(),
     };
     ui.label("Clip");
-    let list = ComboBox::from_id_salt("clip").selected_text(&chosen).width(140.0).height(320.0).show_ui(ui, |ui| {
-        for (name, secs) in &clips {
-            if ui.selectable_label(*name == chosen, format!("{name}  {secs:.2} s")).clicked() {
-                session.choose_clip(name, *secs);
+    let list =
+        ComboBox::from_id_salt("clip").selected_text(&chosen).width(100.0).truncate().height(320.0).show_ui(ui, |ui| {
+            for (name, secs) in &clips {
+                if ui.selectable_label(*name == chosen, format!("{name}  {secs:.2} s")).clicked() {
+                    session.choose_clip(name, *secs);
+                }
             }
-        }
-    });
+        });
     list.response.explained("Clip", "The animation of the scene that is played");
     ui.end_row();
 }
@@ -95,7 +101,7 @@ fn camera(ui: &mut Ui, session: &mut Session) {
         _ => own.first().cloned().unwrap_or_else(|| "fit".into()),
     };
     ui.label("Camera");
-    let list = ComboBox::from_id_salt("camera").selected_text(&chosen).width(140.0).show_ui(ui, |ui| {
+    let list = ComboBox::from_id_salt("camera").selected_text(&chosen).width(100.0).truncate().show_ui(ui, |ui| {
         for name in own.iter().map(String::as_str).chain(VIEWS) {
             if ui.selectable_label(name == chosen, name).clicked() {
                 session.set_shot("Choose camera", &["camera"], &Setting::Text(name.to_owned()), None);

@@ -25,6 +25,8 @@ pub(super) fn install(ctx: &egui::Context) {
         style.spacing.button_padding = vec2(7.0, 3.0);
         style.spacing.interact_size.y = 22.0;
         style.spacing.slider_width = 110.0;
+        // The edges of panels are caught from this far.
+        style.interaction.resize_grab_radius_side = 7.0;
     });
 }
 

@@ -69,19 +69,23 @@ pub(super) fn transport(ui: &mut Ui, session: &mut Session, (now, has_curves): (
 }
 
 fn eases(ui: &mut Ui, session: &mut Session) {
-    let chosen = session.selection.keys.first().and_then(|(track, time)| {
-        let keys = track.times(session.shot());
-        keys.into_iter().find(|(other, _)| other == time).map(|(_, ease)| ease)
-    });
-    let text = chosen.map_or("Ease", |ease| EasePreset::of(ease).map_or("Curve", EasePreset::name));
-    let list = ComboBox::from_id_salt("ease").selected_text(text).width(90.0).show_ui(ui, |ui| {
+    let chosen = session.chosen_eases();
+    let text = match chosen[..] {
+        [] => "Ease: no key",
+        [ease] => EasePreset::of(ease).map_or("Curve", EasePreset::name),
+        _ => "Several eases",
+    };
+    let list = ComboBox::from_id_salt("ease").selected_text(text).width(104.0).show_ui(ui, |ui| {
         for preset in EasePreset::ALL {
-            if ui.selectable_label(chosen == Some(preset.ease()), preset.name()).clicked() {
+            if ui.selectable_label(chosen == [preset.ease()], preset.name()).clicked() {
                 session.ease_keys(preset);
             }
         }
     });
-    list.response.explained("Ease", "How the selected keys go on to the next one");
+    list.response.explained(
+        "Ease",
+        "How the selected keys go on to the next one; without selected keys, all of the selected pins and handles",
+    );
 }
 
 fn exposure(ui: &mut Ui, session: &mut Session) {

@@ -10,6 +10,7 @@ use super::pan::{Pan, Scroller};
 use super::pen::{self, REACH};
 use super::picture_parts;
 use super::references;
+use super::rendered_bar;
 use super::theme;
 use crate::edit::{Action, Lens, Picture, Session, Shortcuts, Wipe, Zoom};
 use eframe::egui::{
@@ -118,6 +119,8 @@ pub(super) fn show(
     let over = Over { session, lens, painter: painter.clone(), origin: rect.min, hovered };
     if (is_brush || session.shown.painted) && !session.shown.is_hidden {
         brush::painted(&painter, session, |point| over.at(point));
+        let radius = (session.brush.radius * lens.frame_height()) as f32;
+        brush::way(&painter, session, radius, |point| over.at(point));
     }
     over.draw();
     brush_ring(ui, &response, (&over, is_brush), shortcuts);
@@ -125,6 +128,7 @@ pub(super) fn show(
     fault(ui, rect, session);
     picture_parts::show(ui, &response, (session, &lens), REACH);
     menu(&response, session);
+    rendered_bar::show(ui, rect, session);
 }
 
 /// Zooms by the wheel or by a pinch, and pans by the middle button or by two fingers on a trackpad.
@@ -195,13 +199,19 @@ fn pictures(ui: &Ui, (rect, lens): (Rect, Lens), session: &mut Session, textures
     textures.keep(&seen, references.len());
     let draw_references = |textures: &mut Textures, is_above: bool| {
         for (place, laid) in references.iter().enumerate() {
-            let Some(laid) = laid.as_ref().filter(|laid| laid.is_above == is_above) else { continue };
+            let Some(laid) = laid.as_ref().filter(|laid| laid.is_above == is_above && !laid.is_rendered) else {
+                continue;
+            };
             let id = textures.of(ui.ctx(), Seen::Reference(place), &laid.picture);
             painter.image(id, laid.rect, whole, laid.color);
         }
     };
     draw_references(textures, false);
     let is_before = session.shown.is_before;
+    let rendered = references.iter().enumerate().filter_map(|(place, laid)| Some((place, laid.as_ref()?)));
+    if let Some((place, laid)) = { rendered }.find(|(_, laid)| laid.is_rendered) {
+        return draw(textures.of(ui.ctx(), Seen::Reference(place), &laid.picture), Color32::WHITE);
+    }
     if let Some(picture) = session.picture().filter(|_| !is_before || session.before().is_none()) {
         draw(textures.of(ui.ctx(), Seen::Frame, picture), Color32::WHITE);
     }
