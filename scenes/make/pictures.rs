@@ -155,9 +155,8 @@ fn rendered(mut shot: Shot, height: u32, frame: i32) -> anyhow::Result<RgbImage>
         device: DeviceChoice::Cpu,
         existing: Existing::Overwrite,
         has_preview: true,
-        has_overlay: false,
         durability: Durability::Cached,
-        inputs: Vec::new(),
+        ..RenderOptions::default()
     };
     let tell = |event: Event| {
         if let Event::FrameDone(report) = event {
