@@ -80,17 +80,17 @@ pub(in crate::edit) fn with_first_keys(
         let ease = eased[..place].last().map_or(Ease::Smooth, |(_, ease)| *ease);
         eased.insert(place, (now, ease));
     }
-    let turns: Vec<SeenTurn> = eased.iter().map(|(time, _)| seen(*time).unwrap_or(SeenTurn::REST)).collect();
+    let seen_turns: Vec<SeenTurn> = eased.iter().map(|(time, _)| seen(*time).unwrap_or(SeenTurn::REST)).collect();
     let from = now.and_then(|now| eased.iter().position(|(time, _)| *time == now)).unwrap_or(0);
-    let degrees = unwound(&turns, from);
+    let degrees = unwound(&seen_turns, from);
     let strength = if layer.strength.abs() < 1e-6 { 1.0 } else { layer.strength };
     let angle = |index: usize| match channel {
         FreeChannel::Axes => Rotation::Axes([0.0; 3]),
         FreeChannel::Rotation | FreeChannel::Scale => Rotation::InView(rounded(degrees[index] / strength, 1e3)),
     };
-    let scale = |index: usize| rounded((turns[index].scale.ln() / strength).exp(), 1e4);
+    let scale = |index: usize| rounded((seen_turns[index].scale.ln() / strength).exp(), 1e4);
     let sets_rotation = channel != FreeChannel::Scale || !is_turned && degrees.iter().any(|angle| angle.abs() > TURNED);
-    let scales = turns.iter().map(|turn| turn.scale);
+    let scales = seen_turns.iter().map(|turn| turn.scale);
     let sets_scale = match channel {
         FreeChannel::Scale => true,
         FreeChannel::Rotation => !is_scaled && { scales }.any(|scale| (scale - 1.0).abs() > SCALED),
@@ -120,8 +120,8 @@ pub(in crate::edit) fn with_first_keys(
 }
 
 /// Returns the angles in degrees, each within half a turn of its neighbour towards the one at `from`.
-fn unwound(turns: &[SeenTurn], from: usize) -> Vec<f64> {
-    let mut degrees: Vec<f64> = turns.iter().map(|turn| turn.degrees).collect();
+fn unwound(seen_turns: &[SeenTurn], from: usize) -> Vec<f64> {
+    let mut degrees: Vec<f64> = seen_turns.iter().map(|turn| turn.degrees).collect();
     let near = |angle: f64, other: f64| angle + 360.0 * ((other - angle) / 360.0).round();
     for index in (0..from).rev() {
         degrees[index] = near(degrees[index], degrees[index + 1]);

@@ -3,9 +3,10 @@
 //! In: a mesh at rest. Out: for every vertex whether it lies on a connected surface without a border that faces outwards. Vertices in the same
 //! position count as one, also those of different primitives.
 
-use super::Mesh;
+use super::{Mesh, Primitive};
 use foldhash::fast::FixedState;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
@@ -29,17 +30,7 @@ struct Surface {
 }
 
 fn find(mesh: &Mesh) -> Vec<Vec<bool>> {
-    let mut numbers: HashMap<[u32; 3], usize, FixedState> = HashMap::default();
-    let mut places: Vec<DVec3> = Vec::new();
-    let mut number = |position: &Vec3| {
-        let key = (*position + 0.0).to_array().map(f32::to_bits);
-        *numbers.entry(key).or_insert_with(|| {
-            places.push(position.as_dvec3());
-            places.len() - 1
-        })
-    };
-    let welded: Vec<Vec<usize>> =
-        mesh.primitives.iter().map(|primitive| primitive.positions.iter().map(&mut number).collect()).collect();
+    let (welded, places) = weld(mesh);
     let triangles = || {
         let all = mesh.primitives.iter().zip(&welded);
         let own = all.flat_map(|(primitive, welded)| {
@@ -47,37 +38,54 @@ fn find(mesh: &Mesh) -> Vec<Vec<bool>> {
         });
         own.filter(|[a, b, c]| a != b && b != c && c != a)
     };
-    let mut parents: Vec<usize> = (0..places.len()).collect();
-    // How often each edge is passed one way more than the other.
-    let mut excess: HashMap<[usize; 2], i32, FixedState> = HashMap::default();
+    let mut parents: Vec<u32> = (0..places.len() as u32).collect();
+    let mut edges: Vec<(u32, u32, bool)> = Vec::new();
     for [a, b, c] in triangles() {
         for [from, to] in [[a, b], [b, c], [c, a]] {
-            *excess.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
+            edges.push((from.min(to), from.max(to), from < to));
             let [from, to] = [root(&mut parents, from), root(&mut parents, to)];
-            parents[from.max(to)] = from.min(to);
+            parents[from.max(to) as usize] = from.min(to);
         }
     }
+    edges.par_sort_unstable();
     let mut surfaces = vec![Surface::default(); places.len()];
-    for ([from, _], excess) in &excess {
-        surfaces[root(&mut parents, *from)].has_border |= *excess != 0;
+    for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let upwards = edge.iter().filter(|(.., is_upwards)| *is_upwards).count();
+        surfaces[root(&mut parents, edge[0].0) as usize].has_border |= 2 * upwards != edge.len();
     }
     for corners in triangles() {
-        let own = root(&mut parents, corners[0]);
-        let [a, b, c] = corners.map(|corner| places[corner] - places[own]);
+        let own = root(&mut parents, corners[0]) as usize;
+        let [a, b, c] = corners.map(|corner| (places[corner as usize] - places[own]).as_dvec3());
         surfaces[own].volume += a.dot(b.cross(c));
     }
-    let mut is_solid = |&vertex: &usize| {
-        let Surface { has_border, volume } = surfaces[root(&mut parents, vertex)];
+    let mut is_solid = |&vertex: &u32| {
+        let Surface { has_border, volume } = surfaces[root(&mut parents, vertex) as usize];
         !has_border && volume > 0.0
     };
     welded.iter().map(|own| own.iter().map(&mut is_solid).collect()).collect()
 }
 
+/// Numbers the places where vertices are. Returns those of each primitive's vertices, and the places.
+fn weld(mesh: &Mesh) -> (Vec<Vec<u32>>, Vec<Vec3>) {
+    let mut numbers: HashMap<[u32; 3], u32, FixedState> = HashMap::default();
+    let mut places: Vec<Vec3> = Vec::new();
+    let mut number = |position: &Vec3| {
+        let key = (*position + 0.0).to_array().map(f32::to_bits);
+        *numbers.entry(key).or_insert_with(|| {
+            places.push(*position);
+            places.len() as u32 - 1
+        })
+    };
+    let of_primitive = |primitive: &Primitive| primitive.positions.iter().map(&mut number).collect();
+    let welded = mesh.primitives.iter().map(of_primitive).collect();
+    (welded, places)
+}
+
 /// Returns the first of the vertices with which a vertex hangs together.
-fn root(parents: &mut [usize], mut vertex: usize) -> usize {
-    while parents[vertex] != vertex {
-        parents[vertex] = parents[parents[vertex]];
-        vertex = parents[vertex];
+fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
+    while parents[vertex as usize] != vertex {
+        parents[vertex as usize] = parents[parents[vertex as usize] as usize];
+        vertex = parents[vertex as usize];
     }
     vertex
 }
@@ -85,7 +93,6 @@ fn root(parents: &mut [usize], mut vertex: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Primitive;
 
     /// A tetrahedron at an offset along x, seen from outside or from inside.
     fn tetrahedron(offset: f32, is_turned: bool) -> Primitive {

@@ -308,7 +308,7 @@ fn a_render_says_that_a_solo_is_not_rendered_and_leaves_muted_layers_at_rest() {
     until(&mut window, "it is rendered", |window| session(window).run().is_some_and(|run| !run.is_running()));
     let frame = || pinwarp::image::read_exr(&stage.folder.path().join("out/frame.0003.exr")).expect("rendered");
     let pulled = frame();
-    click(&mut window, &["Close", "Solo right", "Mute left", "Render frames"]);
+    click(&mut window, &["Close", "Solo right", "Mute the layer \"left\"", "Render frames"]);
     assert!(!says(&window, "Solo of"));
     until(&mut window, "it is rendered", |window| session(window).run().is_some_and(|run| !run.is_running()));
     assert_ne!(pinwarp::image::preview(&frame()), pinwarp::image::preview(&pulled), "the muted layer is at rest");

@@ -48,8 +48,9 @@ fn turn(session: &mut Session, pin: [usize; 2], turns: f64) {
     session.selection.only_pin(pin);
     let mark = session.marks()[pin[0]].pins.iter().find(|mark| mark.pin == pin[1]).expect("seen");
     let center = mark.target.0;
-    let on =
-        |turns: f64| at(center.x, center.y) + pinwarp::space::ScreenVector(0.2 * DVec2::from_angle(turns * 6.283_185));
+    let on = |turns: f64| {
+        at(center.x, center.y) + pinwarp::space::ScreenVector(0.2 * DVec2::from_angle(turns * std::f64::consts::TAU))
+    };
     session.press(on(0.3), (REACH, Ring { radius: 0.2, reach: 0.02 }), Held::default());
     (1..=8).for_each(|step| session.motion(on(0.3 + turns * f64::from(step) / 8.0)));
     // Questions are answered before the drag is drawn.

@@ -294,7 +294,7 @@ fn faults_of_box_frames_name_the_key() {
 #[test]
 fn a_vertex_beyond_all_measure_leaves_the_dims_in_their_range() {
     let mut part = square(0.0);
-    part.positions[0] = [1e30; 3];
+    part.positions[0] = [1e14; 3];
     let layer = "[[layer]]\nlattice = { dims = \"auto\" }\n[[layer.pin]]\nanchor = { screen = [0.8, 0.5] }\n\
                  keys = [{ frame = 1, offset = [0.1, 0.0] }]\n";
     let prepared = Studio::tiny(&Tiny::of(vec![part]), layer).prepared();

@@ -13,6 +13,7 @@ use super::references;
 use super::rendered_bar;
 use super::theme;
 use crate::edit::{Action, Lens, Picture, Session, Shortcuts, Wipe, Zoom};
+use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{
     self, Align2, Color32, ColorImage, FontId, PointerButton, Rect, Role, Sense, Stroke, TextureHandle, TextureOptions,
     Ui, WidgetInfo, vec2,
@@ -260,10 +261,13 @@ fn status(ui: &Ui, rect: Rect, session: &Session, lens: &Lens) {
 /// Says over the picture why the shot cannot be drawn.
 fn fault(ui: &Ui, rect: Rect, session: &Session) {
     let Some(fault) = session.fault() else { return };
-    let text = format!("This shot cannot be drawn.\n\n{fault}\n\nUndo, or mend the shot file.");
+    let mut text = LayoutJob::default();
+    text.wrap.max_width = (rect.width() - 60.0).clamp(80.0, 560.0);
+    let format = |color| TextFormat::simple(FontId::proportional(14.0), color);
+    text.append("This shot cannot be drawn.\n\n", 0.0, format(ui.visuals().error_fg_color));
+    text.append(&format!("{fault}\n\nUndo, or mend the shot file."), 0.0, format(Color32::from_gray(240)));
     let painter = ui.painter_at(rect);
-    let width = (rect.width() - 60.0).clamp(80.0, 560.0);
-    let galley = painter.layout(text, FontId::proportional(14.0), Color32::from_gray(240), width);
+    let galley = painter.layout_job(text);
     let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
     painter.rect_filled(place.expand(12.0), 6, Color32::from_black_alpha(210));
     painter.galley(place.min, galley, Color32::WHITE);

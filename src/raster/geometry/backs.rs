@@ -7,7 +7,6 @@
 use super::vertex::VertexList;
 use crate::raster::RasterVertex;
 use glam::DVec2;
-use std::collections::HashMap;
 
 /// Factor of z by which back faces lie farther away than they are: where they meet the front faces, at outlines, the front is visible.
 const BEHIND: f32 = 1.0 - 1e-4;
@@ -26,23 +25,34 @@ pub(super) fn add_backs(
     if (0..list.len() as u32).any(|vertex| list.projected(vertex).depth < near) {
         return (vertices, triangles, ends);
     }
-    let sides: Vec<f64> = triangles.iter().map(|corners| side(corners, &vertices)).collect();
     // After the warp triangles still face the way that they did before.
-    let is_back = |number: usize| {
-        list.is_solid(triangles[number][0]) && sides[number] != 0.0 && (sides[number] < 0.0) != is_mirrored
+    let is_back = |corners: &[u32; 3]| {
+        let side = side(corners, &vertices);
+        list.is_solid(corners[0]) && side != 0.0 && (side < 0.0) != is_mirrored
     };
-    let mut turned: HashMap<u32, u32> = HashMap::new();
-    let (mut all, mut all_ends) = (Vec::with_capacity(triangles.len()), Vec::with_capacity(ends.len()));
+    let is_back: Vec<bool> = triangles.iter().map(is_back).collect();
+    let backs = is_back.iter().filter(|is_back| **is_back).count();
+    // #vertices: the one turned around; its own number: there is none.
+    let mut turned: Vec<u32> = (0..vertices.len() as u32).collect();
+    let mut count = vertices.len() as u32;
+    for (corners, _) in triangles.iter().zip(&is_back).filter(|(_, is_back)| **is_back) {
+        for &corner in corners {
+            if turned[corner as usize] == corner {
+                turned[corner as usize] = count;
+                count += 1;
+            }
+        }
+    }
+    vertices.resize(count as usize, RasterVertex::default());
+    for (vertex, &turned) in turned.iter().enumerate().filter(|(vertex, turned)| **turned != *vertex as u32) {
+        vertices[turned as usize] = turned_around(&vertices[vertex]);
+    }
+    let (mut all, mut all_ends) = (Vec::with_capacity(triangles.len() + backs), Vec::with_capacity(ends.len()));
     let mut from = 0;
     for end in ends {
         all.extend(&triangles[from..end]);
-        for number in (from..end).filter(|number| is_back(*number)) {
-            let [a, b, c] = triangles[number].map(|corner| {
-                *turned.entry(corner).or_insert_with(|| {
-                    vertices.push(turned_around(&vertices[corner as usize]));
-                    vertices.len() as u32 - 1
-                })
-            });
+        for number in (from..end).filter(|number| is_back[*number]) {
+            let [a, b, c] = triangles[number].map(|corner| turned[corner as usize]);
             all.push([a, c, b]);
         }
         all_ends.push(all.len());

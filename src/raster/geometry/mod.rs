@@ -36,6 +36,9 @@ use vertex::{ClipVertex, DepthRange, VertexList};
 /// Polled for cancellation; returns true once the result is no longer wanted.
 pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
 
+/// Twice the area over the squared longest edge of a projected triangle below which it is seen edge-on.
+const EDGE_ON: f64 = 0.05;
+
 /// Number of vertices between two polls.
 const POLLED: u32 = 65_536;
 
@@ -175,16 +178,22 @@ fn ribbons(
 }
 
 /// Restores the orientation of triangles that the warp inverted, so that they face the viewer if they did before: a
-/// fold shows its visible side instead of opening a hole. Returns whether there were any.
+/// fold shows its visible side instead of opening a hole. Returns whether any of them faced the viewer clearly: those seen edge-on, along
+/// every outline, turn under the slightest warp and open nothing.
 fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) -> bool {
     let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
     let turned = triangles.par_iter_mut().with_min_len(2048).filter_map(|corners| {
-        let before = side(corners.map(|corner| list.projected(corner).point().0));
+        let [a, b, c] = corners.map(|corner| list.projected(corner).point().0);
+        let before = side([a, b, c]);
         let after = side(corners.map(|corner| {
             let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
             DVec2::new(x, y) / w
         }));
-        (before * after < 0.0).then(|| corners.swap(1, 2))
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        (before * after < 0.0).then(|| {
+            corners.swap(1, 2);
+            before.abs() > EDGE_ON * longest
+        })
     });
-    turned.count() > 0
+    turned.reduce(|| false, |a, b| a | b)
 }

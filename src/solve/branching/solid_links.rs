@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn a_sample_of_the_links_starts_from_evenly_spread_triangles() {
         let (points, triangles) = faces([1.0, 2.0, 4.0]);
-        let of_sampled = |link: &Link| link.ends[0].triangle % 5 == 0;
+        let of_sampled = |link: &Link| link.ends[0].triangle.is_multiple_of(5);
         let all: Vec<Link> = solid_links(&points, &triangles, PITCH, None).into_iter().filter(of_sampled).collect();
         assert_eq!(links_of_every(5, (&points, &triangles), PITCH, None), all);
         assert_eq!(sampled_solid_links(&points, &triangles, PITCH), solid_links(&points, &triangles, PITCH, None));
