@@ -63,7 +63,7 @@ const RIGHT_ELSEWHERE: &[(&str, &[&str])] = &[
     ("fan", &["pipeline", "screen"]),
     ("quads", &["pipeline"]),
     ("misses", &["live", "pipeline"]),
-    ("turns", &["export", "live", "ofx", "pipeline", "scene", "shot"]),
+    ("turns", &["edit", "export", "live", "ofx", "pipeline", "scene", "shot"]),
     ("reach", &["cli", "edit", "export", "image", "live", "ofx", "pipeline", "plate", "raster", "scene", "screen"]),
     ("small", &["edit", "image", "live", "pipeline"]),
     ("products", &["live"]),

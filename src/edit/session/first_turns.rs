@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// How pins are turned in keyed frames of the document as it is.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Turns {
+pub(super) struct KeyedTurns {
     /// Returned with the answers: those about earlier documents do not count.
     id: u64,
     /// The layers and frames that were asked about.
@@ -22,7 +22,7 @@ pub(super) struct Turns {
     known: Vec<(usize, f64, PinTurn)>,
 }
 
-impl Turns {
+impl KeyedTurns {
     /// Forgets what was known of another document.
     pub(super) fn clear(&mut self) {
         *self = Self { id: self.id + 1, ..Self::default() };
@@ -38,7 +38,7 @@ impl Session {
         let is_turned = !own.rotate_keys.is_empty() || own.keys.iter().any(|key| key.rotate_degrees.is_some());
         let is_scaled = !own.scale_keys.is_empty() || own.keys.iter().any(|key| key.scale.is_some());
         if !(is_turned && is_scaled) && self.turns.asked.insert((layer, frame)) {
-            self.worker.ask(Question::Turns { id: self.turns.id, frame, layer });
+            self.worker.ask(Question::KeyedTurns { id: self.turns.id, frame, layer });
         }
     }
 

@@ -450,9 +450,9 @@ impl FrameWorker {
                 let triangles = seen.map_or_else(Vec::new, |(prepared, sample)| prepared.stiff_triangles(sample));
                 Reply::Painted { revision, frame, triangles }
             }
-            Question::Turns { id, frame, layer } => {
+            Question::KeyedTurns { id, frame, layer } => {
                 let turns = seen.map_or_else(Vec::new, |(prepared, sample)| turns(prepared, (frame, layer), sample));
-                Reply::Turns { id, layer, turns }
+                Reply::KeyedTurns { id, layer, turns }
             }
         }
     }

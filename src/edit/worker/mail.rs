@@ -55,7 +55,7 @@ pub(in crate::edit) enum Question {
     /// What triangles are painted?
     Painted { revision: u64, frame: i32 },
     /// How are the pins of a layer turned in this frame, and in all keyed ones?
-    Turns { id: u64, frame: i32, layer: usize },
+    KeyedTurns { id: u64, frame: i32, layer: usize },
 }
 
 impl Question {
@@ -65,7 +65,7 @@ impl Question {
             Self::Point { frame, .. }
             | Self::Brush { frame, .. }
             | Self::Painted { frame, .. }
-            | Self::Turns { frame, .. } => frame,
+            | Self::KeyedTurns { frame, .. } => frame,
         }
     }
 }
@@ -90,7 +90,7 @@ pub(in crate::edit) enum Reply {
     /// The painted triangles of a frame.
     Painted { revision: u64, frame: i32, triangles: Vec<StiffTriangle> },
     /// How the pins of a layer are turned, by the times of its keys.
-    Turns { id: u64, layer: usize, turns: Vec<(f64, Vec<PinTurn>)> },
+    KeyedTurns { id: u64, layer: usize, turns: Vec<(f64, Vec<PinTurn>)> },
     /// By how much a frame that is solved over time differs from what was shown before, with the revision of the document.
     Shifted(u64, i32, Vec<LayerShift>),
     /// Progress of the solve over time, 0 to 1, with the revision of the document.
