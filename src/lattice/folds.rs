@@ -29,6 +29,13 @@ pub(crate) struct Folds<const D: usize> {
     pub min_det: f64,
 }
 
+/// Cells whose bounds are not proven yet.
+struct OpenCells {
+    cells: Vec<usize>,
+    /// Determinant from which on a bound need not be tight.
+    wanted: f64,
+}
+
 impl<const D: usize> Lattice<D> {
     /// Finds the folded cells. `is_active` marks the cells that contain part of the shape:
     /// #[`super::Grid::cell_count`], x fastest.
@@ -45,7 +52,7 @@ impl<const D: usize> Lattice<D> {
                 let starts = self.slope_starts(width);
                 let rough: Vec<f64> = (0..is_active.len()).map(|cell| self.rough_bound(cell, &starts)).collect();
                 let open = (0..rough.len()).filter(|&cell| is_active[cell] || rough[cell] <= 0.0).collect();
-                self.proven_bounds(rough, (open, f64::INFINITY), (is_active, width))
+                self.proven_bounds(rough, OpenCells { cells: open, wanted: f64::INFINITY }, is_active, width)
             }
         };
         self.folds_within(&bounds, is_active)
@@ -58,7 +65,7 @@ impl<const D: usize> Lattice<D> {
         let open: Vec<usize> = (0..is_active.len()).filter(|&cell| is_active[cell]).collect();
         let (mut bounds, starts) = (vec![f64::INFINITY; is_active.len()], self.slope_starts(width));
         open.iter().for_each(|&cell| bounds[cell] = self.rough_bound(cell, &starts));
-        let bounds = self.proven_bounds(bounds, (open, wanted), (is_active, width));
+        let bounds = self.proven_bounds(bounds, OpenCells { cells: open, wanted }, is_active, width);
         self.folds_within(&bounds, is_active)
     }
 
@@ -88,13 +95,9 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// Refines lower bounds of det J in the `open` cells until they have the correct sign, and the smallest one of the active cells
-    /// is tight if it may be less than `least`.
-    fn proven_bounds(
-        &self,
-        mut bounds: Vec<f64>,
-        (mut open, mut least): (Vec<usize>, f64),
-        (is_active, width): (&[bool], usize),
-    ) -> Vec<f64> {
+    /// is tight if it may be less than wanted. `width`: number of handles that act at a coordinate.
+    fn proven_bounds(&self, mut bounds: Vec<f64>, open: OpenCells, is_active: &[bool], width: usize) -> Vec<f64> {
+        let OpenCells { cells: mut open, wanted: mut least } = open;
         // In ascending order, so that the rough bound suffices for most cells, which are neither near a fold nor the smallest.
         open.sort_unstable_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
         for cell in open {

@@ -9,15 +9,22 @@ use super::grid::Lattice;
 /// Bisections after which a rest of the part counts as folded if its bound is not above 0.
 const MAX_SIGN_HALVINGS: usize = MAX_HALVINGS + 6;
 
+/// A part of a cell.
+pub(crate) struct PartOfCell<P> {
+    pub(crate) cell: usize,
+    /// Number of handles that act at a coordinate.
+    pub(crate) width: usize,
+    pub(crate) part: P,
+}
+
 impl<const D: usize> Lattice<D> {
     /// Returns a lower bound of det J over a part of a cell; infinity if nothing is left of the part. The sign is exact to a
     /// 1024th of a cell in 2D, and the bound is as tight as that of a whole cell if the minimum may be less than `wanted`.
-    /// `width` is the number of handles that act at a coordinate. `halve` returns the halves of a part along an axis, `None` for
-    /// an empty one.
+    /// `halve` returns the halves of a part along an axis, `None` for an empty one.
     pub(crate) fn min_in_part<P>(
         &self,
-        (cell, width): (usize, usize),
-        (part, wanted): (P, f64),
+        PartOfCell { cell, width, part }: PartOfCell<P>,
+        wanted: f64,
         halve: impl Fn(P, usize) -> [Option<P>; 2],
     ) -> f64 {
         let mut open = vec![(self.determinant(cell, width - 1), part, 0)];

@@ -23,6 +23,7 @@ pub use display::DisplayWarp;
 pub use error::LatticeError;
 pub(crate) use folds::Folds;
 pub(crate) use folds::rough_determinant;
+pub(crate) use folds_in_part::PartOfCell;
 pub use grid::{Grid, Lattice, ScreenLattice};
 pub use scene_lattice::{BoxFrame, SceneLattice};
 pub(crate) use transfer::LatticeFit;

@@ -48,6 +48,19 @@ pub(crate) struct BlockedWeights<const C: usize> {
     coefficients: Vec<[Lanes; C]>,
 }
 
+/// A block, and a value per packet of it.
+pub(crate) struct BlockValues<'a, V> {
+    pub(crate) block: &'a Block,
+    pub(crate) values: &'a [V],
+}
+
+/// The rows of a block, which have one support.
+struct BlockRows<'a, const D: usize> {
+    /// The points of all rows.
+    points: &'a [[f64; D]],
+    rows: &'a [KeyedRow],
+}
+
 impl<const C: usize> BlockedWeights<C> {
     /// Builds the matrix at `points`. `coefficients` selects what a row stores from a handle's weight and gradient.
     pub(crate) fn new<const D: usize>(
@@ -61,7 +74,7 @@ impl<const C: usize> BlockedWeights<C> {
         keyed.sort_unstable();
         let mut packets = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
         for rows in keyed.chunk_by(|a, b| a.0 == b.0) {
-            packets.add_block(grid, (points, rows), &coefficients, cancel);
+            packets.add_block(grid, BlockRows { points, rows }, &coefficients, cancel);
         }
         packets
     }
@@ -76,7 +89,7 @@ impl<const C: usize> BlockedWeights<C> {
         let mut packets = Self { blocks: Vec::new(), order: Vec::new(), coefficients: Vec::new() };
         for (rows, unknowns) in groups {
             let keyed: Vec<KeyedRow> = rows.clone().map(|row| ([0; 2], row)).collect();
-            packets.add_block(grid, (points, &keyed), &coefficients, cancel);
+            packets.add_block(grid, BlockRows { points, rows: &keyed }, &coefficients, cancel);
             packets.blocks.last_mut().expect("one block was added").handles = unknowns.to_vec();
         }
         packets
@@ -85,7 +98,7 @@ impl<const C: usize> BlockedWeights<C> {
     fn add_block<const D: usize>(
         &mut self,
         grid: &Grid<D>,
-        (points, rows): (&[[f64; D]], &[KeyedRow]),
+        BlockRows { points, rows }: BlockRows<D>,
         coefficients: &impl Fn(f64, &[f64; D]) -> [f64; C],
         cancel: &Cancel,
     ) {
@@ -181,7 +194,7 @@ impl<const C: usize> BlockedWeights<C> {
     pub(crate) fn scatter_block<S: Simd, const D: usize>(
         &self,
         simd: S,
-        (block, values): (&Block, &[[[S::f64s; C]; D]]),
+        BlockValues { block, values }: BlockValues<[[S::f64s; C]; D]>,
         sums: &mut [[Lanes; D]],
         meter: &mut WorkMeter,
     ) -> bool {

@@ -69,10 +69,17 @@ impl Default for Correction {
     }
 }
 
+/// A matrix and its factorisation.
+#[derive(Clone, Copy)]
+pub(crate) struct FactoredMatrix<'a> {
+    pub(crate) normal: &'a NormalMatrix,
+    pub(crate) factor: &'a Factorization,
+}
+
 impl Constraints {
     /// Collects the rows of full weight and computes the correction operator.
     pub(crate) fn new<const D: usize>(
-        (normal, factor): (&NormalMatrix, &Factorization),
+        FactoredMatrix { normal, factor }: FactoredMatrix,
         terms: &Terms<D>,
         pins: &[PointPin<D>],
         settings: &Settings,

@@ -4,7 +4,7 @@
 //! In: a lattice, folded cells with their polygons. Out: a lower bound of det J on the polygons of each.
 
 use super::samples::Polygon;
-use crate::lattice::{Grid, Lattice};
+use crate::lattice::{Grid, Lattice, PartOfCell};
 use std::collections::BTreeMap;
 
 /// The polygons of the model in some cells, each scaled to its cell as the unit cell. Ordered by the index of the cell.
@@ -36,7 +36,7 @@ impl<'a, const D: usize> CellPolygons<'a, D> {
         let (mut cells, mut min_det) = (Vec::new(), f64::INFINITY);
         let margin = self.grid.basis.margin();
         for (cell, polygons) in self.of_cells.into_iter().filter(|(_, polygons)| !polygons.is_empty()) {
-            let least = lattice.min_in_part((cell, width), (polygons, wanted.min(min_det)), halves);
+            let least = lattice.min_in_part(PartOfCell { cell, width, part: polygons }, wanted.min(min_det), halves);
             if least <= 0.0 {
                 cells.push(self.grid.cell_coords(cell).map(|place| place + margin));
             }

@@ -7,7 +7,7 @@
 //! "The Conjugate Gradient Method and Trust Regions in Large Scale Optimization", 1983).
 
 use super::cancel::Cancelled;
-use super::energy::RotationResponse;
+use super::energy::{RotationResponse, ScaledDirection};
 use super::minimization::{FinalPhase, Minimization, MinimizationResult, SAFEGUARD, largest_step};
 
 /// Number of local-global steps before Newton's method. They can rotate parts farther than a step along the tangent.
@@ -247,7 +247,8 @@ impl<const D: usize> Descent<'_, D> {
         let (target, tolerance) = (self.forcing.powi(2) * square, self.problem.step_tolerance());
         for number in 0..DIRECTIONS {
             let mut product = image.clone();
-            distortion.subtract_rotation_product(response, (&along, scales.shape), &mut product, cancel);
+            let scaled = ScaledDirection { direction: &along, scale: scales.shape };
+            distortion.subtract_rotation_product(response, scaled, &mut product, cancel);
             cancel.check()?;
             let curvature = dot(&along, &product);
             if curvature.is_nan() || curvature <= FLAT * dot(&along, &image) {

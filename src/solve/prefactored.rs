@@ -3,7 +3,7 @@
 //! In: a matrix and terms. Out: [`Prefactored`], and the types that combine it with targets.
 
 use super::cancel::Cancel;
-use super::constraints::Constraints;
+use super::constraints::{Constraints, FactoredMatrix};
 use super::error::SolveError;
 use super::linalg::factorization::Factorization;
 use super::linalg::normal_matrix::NormalMatrix;
@@ -32,7 +32,8 @@ impl Prefactored {
         let factor = Factorization::new(&normal, cancel);
         cancel.check()?;
         let factor = factor.ok_or_else(|| singular(settings))?;
-        let constraints = Constraints::new((&normal, &factor), terms, pins, settings, cancel)?;
+        let matrix = FactoredMatrix { normal: &normal, factor: &factor };
+        let constraints = Constraints::new(matrix, terms, pins, settings, cancel)?;
         Ok(Self { normal, factor, constraints })
     }
 }

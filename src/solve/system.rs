@@ -4,7 +4,7 @@
 
 use super::active_cells::active_cells;
 use super::barrier::{Barrier, BarrierPart};
-use super::branching::{BranchedLattice, Branching, CopyName, settings_for};
+use super::branching::{BranchedLattice, Branching, CopyName, HeldPins, settings_for};
 use super::cancel::Cancel;
 use super::energy::{Distortion, RotationHessian, WithPinNeighbourhoods};
 use super::error::SolveError;
@@ -114,7 +114,7 @@ impl<const D: usize> System<D> {
             let settings = &settings_for(grid, settings);
             let problem = &Problem { settings, ..*problem };
             let snapped = branching.snapped_points(problem.pins);
-            let held = (problem.pins, &*snapped);
+            let held = HeldPins { pins: problem.pins, snapped: &snapped };
             let parts = Parts {
                 distortion: branching.distortion(problem.shape, held, settings, cancel),
                 pin_rows: branching.pin_rows(held, settings),

@@ -46,6 +46,7 @@ pub(crate) use link::{LinkEnd, LinkKind};
 pub(crate) use nearest_point::nearest_barycentric;
 pub(crate) use rest_links::{link_at, nearest_link, surface_links};
 pub(crate) use solid_links::{islands_of, link_length, sampled_solid_links, solid_links};
+pub(crate) use terms::HeldPins;
 
 use super::error::SolveError;
 use super::problem::{HandlePin, PointPin, Problem, Shape};

@@ -35,13 +35,20 @@ const FULL_FRACTION: f64 = 0.02;
 /// Parts of sub-cells with a smaller area, as a fraction of that of the shape, are rounding errors.
 const MIN_SAMPLE_AREA: f64 = 1e-12;
 
+/// Pins, and what they hold.
+#[derive(Clone, Copy)]
+pub(crate) struct HeldPins<'a, const D: usize> {
+    pub(crate) pins: &'a [PointPin<D>],
+    /// The point of the shape that each pin holds, and its piece.
+    pub(crate) snapped: &'a [([f64; D], usize)],
+}
+
 impl<const D: usize> Branching<D> {
-    /// The energy `area` over all pieces, with the discs of pins and the ties between copies. `snapped`: the point of the shape that
-    /// each pin holds, and its piece.
+    /// The energy `area` over all pieces, with the discs of pins and the ties between copies.
     pub(crate) fn distortion(
         &self,
         shape: &Shape<D>,
-        (pins, snapped): (&[PointPin<D>], &[([f64; D], usize)]),
+        HeldPins { pins, snapped }: HeldPins<D>,
         settings: &Settings,
         cancel: &Cancel,
     ) -> Box<dyn Distortion<D>> {
@@ -80,12 +87,8 @@ impl<const D: usize> Branching<D> {
         Barrier::new(&self.grid, (0..self.branches.len()).map(of).collect(), cancel)
     }
 
-    /// Rows of the pins over copies. `snapped`: the point of the shape that each pin holds, and its piece.
-    pub(crate) fn pin_rows(
-        &self,
-        (pins, snapped): (&[PointPin<D>], &[([f64; D], usize)]),
-        settings: &Settings,
-    ) -> LeastSquaresRows<D> {
+    /// Rows of the pins over copies.
+    pub(crate) fn pin_rows(&self, HeldPins { pins, snapped }: HeldPins<D>, settings: &Settings) -> LeastSquaresRows<D> {
         let mut all = LeastSquaresRows::new();
         for (pin, &(at, piece)) in pins.iter().zip(snapped) {
             let mut rows = LeastSquaresRows::new();

@@ -4,13 +4,13 @@
 //! In: samples (position, area, stiffness). Out: the terms of [`Distortion`]. The energy does not depend on density or defects of
 //! the mesh.
 
-use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
+use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian, ScaledDirection};
 use super::rotation_hessian::SubtractRotationHessian;
 use super::rotation_response::RotationResponse;
 use super::sample_tasks::tasks;
 use crate::lattice::Grid;
 use crate::simd::dispatch;
-use crate::solve::blocked_weights::{Block, BlockedWeights, RowGroup, gather_group, local_handles};
+use crate::solve::blocked_weights::{Block, BlockValues, BlockedWeights, RowGroup, gather_group, local_handles};
 use crate::solve::cancel::{Cancel, WorkMeter};
 use crate::solve::linalg::gram_matrix::{GramMatrix, Sum};
 use crate::solve::linalg::normal_matrix::NormalMatrix;
@@ -127,7 +127,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
 
     fn local_step(&self, handles: &[[f64; D]], scale: f64, right_side: &mut [[f64; D]], cancel: &Cancel) -> f64 {
         if D == 3 {
-            return self.local_step_in_space((handles, scale), right_side, cancel);
+            return self.local_step_in_space(ScaledDirection { direction: handles, scale }, right_side, cancel);
         }
         dispatch(LocalStep { energy: self, handles, scale: 2.0 * scale, right_side, meter: cancel.meter() })
     }
@@ -164,7 +164,7 @@ impl<const D: usize> Distortion<D> for Area<D> {
     fn subtract_rotation_product(
         &self,
         response: &RotationResponse<D>,
-        along: (&[[f64; D]], f64),
+        along: ScaledDirection<D>,
         product: &mut [[f64; D]],
         cancel: &Cancel,
     ) {
@@ -227,7 +227,9 @@ impl<const D: usize> WithSimd for LocalStep<'_, D> {
                     turned.push(values);
                 }
             }
-            if self.meter.is_stopped() || gradients.scatter_block(simd, (block, &turned), &mut sums, &mut self.meter) {
+            if self.meter.is_stopped()
+                || gradients.scatter_block(simd, BlockValues { block, values: &turned }, &mut sums, &mut self.meter)
+            {
                 return 0.0;
             }
         }

@@ -3,10 +3,11 @@
 //! In: ∇W at the samples, handles, directions of the handles. Out: weighted rotations, their responses, products.
 
 use super::area::Area;
+use super::distortion::ScaledDirection;
 use super::polar::{LaneMatrix, nearest_rotations};
 use super::rotation_response::{PacketResponse, RotationResponse};
 use crate::simd::dispatch;
-use crate::solve::blocked_weights::{Block, gather, gather_group, local_handles};
+use crate::solve::blocked_weights::{Block, BlockValues, gather, gather_group, local_handles};
 use crate::solve::cancel::Cancel;
 use crate::solve::linalg::simd::{LANES, Lanes, load, multiply_add, store};
 use pulp::{Simd, WithSimd};
@@ -55,11 +56,11 @@ impl<const D: usize> Area<D> {
     /// Local step: adds 2 scale Σ a R ∇W to the right-hand side; returns the energy.
     pub(super) fn local_step_in_space(
         &self,
-        (handles, scale): (&[[f64; D]], f64),
+        at: ScaledDirection<D>,
         right_side: &mut [[f64; D]],
         cancel: &Cancel,
     ) -> f64 {
-        2.0 * self.pass((handles, &Rotations), 2.0 * scale, right_side, cancel)
+        2.0 * self.pass(ScaledDirection { scale: 2.0 * at.scale, ..at }, &Rotations, right_side, cancel)
     }
 
     /// Computes the derivative of the rotations at `handles`, see [`RotationResponse`].
@@ -73,18 +74,19 @@ impl<const D: usize> Area<D> {
     pub(super) fn subtract_turned(
         &self,
         response: &RotationResponse<D>,
-        (direction, scale): (&[[f64; D]], f64),
+        along: ScaledDirection<D>,
         product: &mut [[f64; D]],
         cancel: &Cancel,
     ) {
-        self.pass((direction, &RotationChange(response)), -2.0 * scale, product, cancel);
+        let along = ScaledDirection { scale: -2.0 * along.scale, ..along };
+        self.pass(along, &RotationChange(response), product, cancel);
     }
 
     /// Adds scale Σ a T(J) ∇W, with T the transform, and returns Σ a times the energies of T.
     fn pass(
         &self,
-        (handles, transform): (&[[f64; D]], &impl Transform<D>),
-        scale: f64,
+        ScaledDirection { direction: handles, scale }: ScaledDirection<D>,
+        transform: &impl Transform<D>,
         sums: &mut [[f64; D]],
         cancel: &Cancel,
     ) -> f64 {
@@ -157,7 +159,8 @@ impl<T: Transform<D>, const D: usize> WithSimd for Pass<'_, T, D> {
                 energy = multiply_add(simd, areas, part, energy);
                 values.push(gathered.map(|row| row.map(|x| simd.mul_f64s(areas, x))));
             }
-            let _ = gradients.scatter_block(simd, (block, &values), &mut sums, &mut never.meter());
+            let _ =
+                gradients.scatter_block(simd, BlockValues { block, values: &values }, &mut sums, &mut never.meter());
         }
         let sums = sums.iter().map(|sum| std::array::from_fn(|d| sum[d].iter().sum())).collect();
         (sums, store::<S>(energy).iter().sum())

@@ -44,12 +44,12 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
         None
     }
 
-    /// Subtracts the rotation Hessian times a direction of the handles, multiplied by a factor, from the product of the constant
-    /// matrix and that direction.
+    /// Subtracts the rotation Hessian times a scaled direction of the handles from the product of the constant matrix and that
+    /// direction.
     fn subtract_rotation_product(
         &self,
         _response: &RotationResponse<D>,
-        _along: (&[[f64; D]], f64),
+        _along: ScaledDirection<D>,
         _product: &mut [[f64; D]],
         _cancel: &Cancel,
     ) {
@@ -60,6 +60,15 @@ pub(crate) trait Distortion<const D: usize>: Send + Sync + std::fmt::Debug {
 
     /// Distortion metrics at `handles`.
     fn metrics(&self, handles: &[[f64; D]]) -> DistortionMetrics;
+}
+
+/// A direction of the handles, or their positions, with a factor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ScaledDirection<'a, const D: usize> {
+    /// One vector per handle.
+    pub(crate) direction: &'a [[f64; D]],
+    /// Factor by which what is computed for it is multiplied.
+    pub(crate) scale: f64,
 }
 
 /// Costs in fused multiply-adds.

@@ -25,7 +25,7 @@ mod stroke;
 mod vertex;
 
 pub(crate) use area::Area;
-pub(crate) use distortion::{Distortion, RotationHessian};
+pub(crate) use distortion::{Distortion, RotationHessian, ScaledDirection};
 pub(crate) use mesh_edges::{HalfEdges, edges};
 pub(crate) use pin_neighbourhoods::{Neighbourhood, WithPinNeighbourhoods};
 pub(crate) use rotation_response::RotationResponse;

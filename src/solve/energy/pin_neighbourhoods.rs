@@ -5,7 +5,7 @@
 //! E = ... + Σ_p m r²/s² (a r²/(D + 6) ‖H‖² + g ‖J̄ − R‖²), where H is the second derivative around the pin, J̄ the mean gradient
 //! over the region, and R the rotation nearest to J̄.
 
-use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian};
+use super::distortion::{Distortion, DistortionMetrics, Flops, RotationHessian, ScaledDirection};
 use super::rotation_hessian::{differential_row, rotation_differential};
 use super::rotation_response::{RotationResponse, SampleResponse};
 use crate::lattice::Grid;
@@ -258,12 +258,12 @@ impl<const D: usize> Distortion<D> for WithPinNeighbourhoods<D> {
     fn subtract_rotation_product(
         &self,
         response: &RotationResponse<D>,
-        along: (&[[f64; D]], f64),
+        along: ScaledDirection<D>,
         product: &mut [[f64; D]],
         cancel: &Cancel,
     ) {
         self.shape.subtract_rotation_product(response, along, product, cancel);
-        let (direction, scale) = along;
+        let ScaledDirection { direction, scale } = along;
         for (region, response) in self.regions.iter().zip(&response.regions) {
             let turned = response.turned(&region.gradient_at(direction));
             region.add_scaled(-scale * region.weight, &turned, product);

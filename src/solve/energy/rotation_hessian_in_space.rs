@@ -69,7 +69,7 @@ fn write_row<const D: usize>(row: &mut [f64], square: &SquareMatrix<D>, (coeffic
 
 #[cfg(test)]
 mod tests {
-    use super::super::Distortion;
+    use super::super::{Distortion, ScaledDirection};
     use super::*;
     use crate::lattice::{Basis, Grid};
     use crate::solve::samples::Sample;
@@ -96,7 +96,8 @@ mod tests {
             normal.subtract_matvec(flat, found.as_flattened_mut().as_chunks_mut::<1>().0);
             let response = area.rotation_response(&handles, limit).expect("of space");
             let mut wanted = vec![[0.0; 3]; handles.len()];
-            area.subtract_rotation_product(&response, (&along, 1.7), &mut wanted, &never);
+            let scaled = ScaledDirection { direction: &along, scale: 1.7 };
+            area.subtract_rotation_product(&response, scaled, &mut wanted, &never);
             for (found, wanted) in found.as_flattened().iter().zip(wanted.as_flattened()) {
                 assert!((found + wanted).abs() < 1e-9, "{limit}: {found} {wanted}");
             }

@@ -4,7 +4,7 @@
 
 use super::band_storage::{PANEL, stride};
 use super::simd::{LANES, store};
-use super::syrk::PackedPanels;
+use super::syrk::{LowerColumns, PackedPanels};
 use crate::simd::dispatch;
 use crate::solve::cancel::{Cancel, WorkMeter};
 use pulp::{Simd, WithSimd};
@@ -113,7 +113,8 @@ impl WithSimd for Factorisation<'_> {
             }
             if end > next {
                 let panels = panels.get_or_insert_with(|| PackedPanels::new(block, *band + block));
-                subtract_block(simd, panels, [first, next, end], (columns, stride), &mut meter);
+                let lower = LowerColumns { numbers: columns, size: end, stride };
+                subtract_block(simd, panels, [first, next], lower, &mut meter);
                 if meter.is_stopped() {
                     return false;
                 }
@@ -123,23 +124,23 @@ impl WithSimd for Factorisation<'_> {
     }
 }
 
-/// Subtracts the contribution of the columns first..next from the columns next..end.
+/// Subtracts the contribution of the columns first..next from the columns after them.
 #[inline(always)]
 fn subtract_block<S: Simd>(
     simd: S,
     panels: &mut PackedPanels,
-    [first, next, end]: [usize; 3],
-    (columns, stride): (&mut [f64], usize),
+    [first, next]: [usize; 2],
+    LowerColumns { numbers, size: end, stride }: LowerColumns,
     meter: &mut WorkMeter,
 ) {
-    let (block, rest) = columns.split_at_mut(next * stride);
+    let (block, rest) = numbers.split_at_mut(next * stride);
     panels.resize([next - first, end - next]);
     for (k, column) in block[first * stride..].chunks_exact(stride).enumerate() {
         let below = &column[next - first - k..];
         let below = &below[..below.len().min(end - next)];
         panels.put(k, [below, below]);
     }
-    panels.add_to(simd, -1.0, (rest, stride), meter);
+    panels.add_to(simd, -1.0, &mut LowerColumns { numbers: rest, size: end - next, stride }, meter);
 }
 
 /// Factors the four columns of a panel; returns false if a diagonal entry is not positive and finite.

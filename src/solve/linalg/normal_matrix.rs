@@ -6,7 +6,7 @@ use super::band_storage::{padded_length, stride};
 use super::gram_matrix::GramMatrix;
 use super::simd::{LANES, multiply_add, store};
 use super::syrk;
-use super::syrk::SyrkRows;
+use super::syrk::{LowerColumns, SyrkRows};
 use crate::simd::dispatch;
 use crate::solve::cancel::Cancel;
 use faer::Mat;
@@ -47,7 +47,8 @@ impl NormalMatrix {
 
     /// Adds scale · aᵀb, which must be symmetric, to a dense matrix.
     pub(crate) fn add_syrk(&mut self, scale: f64, rows: &mut impl SyrkRows, cancel: &Cancel) {
-        syrk::add_syrk(&mut self.columns, [self.size, stride(self.band)], (scale, rows), cancel);
+        let lower = LowerColumns { numbers: &mut self.columns, size: self.size, stride: stride(self.band) };
+        syrk::add_syrk(lower, scale, rows, cancel);
     }
 
     /// Adds to one entry of the symmetric matrix.

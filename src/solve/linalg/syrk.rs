@@ -29,22 +29,23 @@ pub(crate) trait SyrkRows {
 /// Numbers behind a row that may be overwritten.
 pub(crate) const ROW_PADDING: usize = LANES;
 
-/// Adds scale · aᵀb, which must be symmetric, to the lower half of a dense matrix of `size` columns, `stride` apart, each from
-/// the diagonal on.
-pub(super) fn add_syrk(
-    columns: &mut [f64],
-    [size, stride]: [usize; 2],
-    (scale, rows): (f64, &mut impl SyrkRows),
-    cancel: &Cancel,
-) {
-    dispatch(AddSyrk { columns, size, stride, scale, rows, meter: cancel.meter() });
+/// The lower half of a dense matrix.
+pub(super) struct LowerColumns<'a> {
+    /// The columns, `stride` apart, each from the diagonal on.
+    pub(super) numbers: &'a mut [f64],
+    /// Number of columns.
+    pub(super) size: usize,
+    pub(super) stride: usize,
+}
+
+/// Adds scale · aᵀb, which must be symmetric, to the lower half of a dense matrix.
+pub(super) fn add_syrk(lower: LowerColumns, scale: f64, rows: &mut impl SyrkRows, cancel: &Cancel) {
+    dispatch(AddSyrk { lower, scale, rows, meter: cancel.meter() });
 }
 
 /// Kernel of [`add_syrk`].
 struct AddSyrk<'a, R> {
-    columns: &'a mut [f64],
-    size: usize,
-    stride: usize,
+    lower: LowerColumns<'a>,
     scale: f64,
     rows: &'a mut R,
     meter: WorkMeter<'a>,
@@ -55,8 +56,8 @@ impl<R: SyrkRows> WithSimd for AddSyrk<'_, R> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { columns, size, stride, scale, rows, mut meter } = self;
-        let total = rows.count();
+        let Self { mut lower, scale, rows, mut meter } = self;
+        let (total, size) = (rows.count(), lower.size);
         let (mut a, mut b) = (vec![0.0; size + ROW_PADDING], vec![0.0; size + ROW_PADDING]);
         let mut panels = PackedPanels::new(total.min(ROWS), size);
         for first in (0..total).step_by(ROWS) {
@@ -66,7 +67,7 @@ impl<R: SyrkRows> WithSimd for AddSyrk<'_, R> {
                 rows.write(simd, first + k, [&mut a, &mut b]);
                 panels.put(k, [&a[..size], &b[..size]]);
             }
-            panels.add_to(simd, scale, (&mut *columns, stride), &mut meter);
+            panels.add_to(simd, scale, &mut lower, &mut meter);
             if meter.is_stopped() {
                 return;
             }
@@ -101,15 +102,9 @@ impl PackedPanels {
         put::<TALL>(b, k, self.tall.chunks_exact_mut(self.depth * TALL).take(self.width.div_ceil(TALL)));
     }
 
-    /// Adds scale · aᵀb to a matrix given by the columns of its lower half, each from the diagonal on, `stride` apart.
+    /// Adds scale · aᵀb to a matrix as large as the product.
     #[inline(always)]
-    pub(super) fn add_to<S: Simd>(
-        &self,
-        simd: S,
-        scale: f64,
-        (columns, stride): (&mut [f64], usize),
-        meter: &mut WorkMeter,
-    ) {
+    pub(super) fn add_to<S: Simd>(&self, simd: S, scale: f64, lower: &mut LowerColumns, meter: &mut WorkMeter) {
         let scale = simd.splat_f64s(scale);
         let wide = self.wide.chunks_exact(self.depth * WIDE).take(self.width.div_ceil(WIDE));
         for (number, a) in wide.enumerate() {
@@ -120,7 +115,7 @@ impl PackedPanels {
             let tall = self.tall.chunks_exact(self.depth * TALL).take(self.width.div_ceil(TALL));
             for (panel, b) in tall.enumerate().skip(column / TALL) {
                 let tile = product(simd, a, b);
-                add_tile(simd, (columns, stride, self.width), [panel * TALL, column], (scale, &tile));
+                lower.add_tile(simd, [panel * TALL, column], scale, &tile);
             }
         }
     }
@@ -157,29 +152,27 @@ fn product<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> [[S::f64s; 2]; WIDE] {
     tile
 }
 
-/// Adds the entries of a tile at and below the diagonal, times a scale.
-#[inline(always)]
-fn add_tile<S: Simd>(
-    simd: S,
-    (columns, stride, size): (&mut [f64], usize, usize),
-    [row, column]: [usize; 2],
-    (scale, tile): (S::f64s, &[[S::f64s; 2]; WIDE]),
-) {
-    for (number, sums) in tile.iter().enumerate().take(size - column) {
-        let column = column + number;
-        if row >= column && row + TALL <= size {
-            let slots = &mut columns[column * stride + row - column..][..TALL];
-            for (slot, sum) in S::as_mut_simd_f64s(slots).0.iter_mut().zip(sums) {
-                *slot = multiply_add(simd, scale, *sum, *slot);
+impl LowerColumns<'_> {
+    /// Adds the entries of a tile at and below the diagonal, times a scale.
+    #[inline(always)]
+    fn add_tile<S: Simd>(&mut self, simd: S, [row, column]: [usize; 2], scale: S::f64s, tile: &[[S::f64s; 2]; WIDE]) {
+        let Self { ref mut numbers, size, stride } = *self;
+        for (number, sums) in tile.iter().enumerate().take(size - column) {
+            let column = column + number;
+            if row >= column && row + TALL <= size {
+                let slots = &mut numbers[column * stride + row - column..][..TALL];
+                for (slot, sum) in S::as_mut_simd_f64s(slots).0.iter_mut().zip(sums) {
+                    *slot = multiply_add(simd, scale, *sum, *slot);
+                }
+                continue;
             }
-            continue;
-        }
-        let mut numbers = [0.0; TALL];
-        for (slot, sum) in S::as_mut_simd_f64s(&mut numbers).0.iter_mut().zip(sums) {
-            *slot = simd.mul_f64s(scale, *sum);
-        }
-        for k in column.saturating_sub(row)..TALL.min(size - row) {
-            columns[column * stride + row + k - column] += numbers[k];
+            let mut scaled = [0.0; TALL];
+            for (slot, sum) in S::as_mut_simd_f64s(&mut scaled).0.iter_mut().zip(sums) {
+                *slot = simd.mul_f64s(scale, *sum);
+            }
+            for k in column.saturating_sub(row)..TALL.min(size - row) {
+                numbers[column * stride + row + k - column] += scaled[k];
+            }
         }
     }
 }
