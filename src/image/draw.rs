@@ -8,6 +8,7 @@ use super::Preview;
 use super::font;
 use crate::space::ImagePoint;
 use glam::DVec2;
+use std::ops::Range;
 
 /// Larger than any picture; beyond it, differences of coordinates lose pixel precision.
 const FARTHEST_PX: f64 = 1e9;
@@ -76,7 +77,7 @@ impl<'a> Canvas<'a> {
         let center = center.0;
         for row in self.rows(center.y - reach, center.y + reach) {
             let y = f64::from(row) + 0.5;
-            let span = (center.x - reach, center.x + reach);
+            let span = center.x - reach..center.x + reach;
             self.blend_row(row, span, color, |x| coverage(DVec2::new(x, y).distance(center)));
         }
     }
@@ -88,15 +89,15 @@ impl<'a> Canvas<'a> {
         }
         let bounds = |pick: fn(DVec2) -> f64| {
             let values = corners.iter().map(|corner| pick(corner.0));
-            (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+            values.clone().fold(f64::INFINITY, f64::min)..values.fold(f64::NEG_INFINITY, f64::max)
         };
-        let (span, (top, bottom)) = (bounds(|corner| corner.x), bounds(|corner| corner.y));
-        for row in self.rows(top, bottom) {
+        let (span, height) = (bounds(|corner| corner.x), bounds(|corner| corner.y));
+        for row in self.rows(height.start, height.end) {
             let inside: [_; SUB_LINES] = std::array::from_fn(|sub| {
                 let y = f64::from(row) + (sub as f64 + 0.5) / SUB_LINES as f64;
                 crossings(corners, y)
             });
-            self.blend_row(row, span, color, |x| polygon_coverage(&inside, x));
+            self.blend_row(row, span.clone(), color, |x| polygon_coverage(&inside, x));
         }
     }
 
@@ -127,18 +128,18 @@ impl<'a> Canvas<'a> {
     fn cell(&mut self, corner: DVec2, side: u32, color: Rgba8) {
         let end = corner + f64::from(side);
         for row in self.rows(corner.y, end.y) {
-            self.blend_row(row, (corner.x, end.x), color, |_| 1.0);
+            self.blend_row(row, corner.x..end.x, color, |_| 1.0);
         }
     }
 
     /// Returns the rows of the picture between two heights.
-    fn rows(&self, top: f64, bottom: f64) -> std::ops::Range<u32> {
-        clipped(top, bottom, self.picture.height)
+    fn rows(&self, top: f64, bottom: f64) -> Range<u32> {
+        clipped(top..bottom, self.picture.height)
     }
 
     /// Blends the colour over the pixels of a row; `coverage` is evaluated at their centres and clamped to 0..=1.
-    fn blend_row(&mut self, row: u32, span: (f64, f64), color: Rgba8, coverage: impl Fn(f64) -> f64) {
-        for column in clipped(span.0, span.1, self.picture.width) {
+    fn blend_row(&mut self, row: u32, span: Range<f64>, color: Rgba8, coverage: impl Fn(f64) -> f64) {
+        for column in clipped(span, self.picture.width) {
             let coverage = coverage(f64::from(column) + 0.5).clamp(0.0, 1.0) as f32;
             let Some(pixel) = self.picture.pixel_mut(column, row) else { continue };
             if coverage > 0.0 {
@@ -163,12 +164,12 @@ impl Stroke {
     }
 
     /// Returns the columns where the segment is within `reach` of the height `y`, so that long lines cost only the pixels they cover.
-    fn columns_near(&self, y: f64, reach: f64) -> (f64, f64) {
+    fn columns_near(&self, y: f64, reach: f64) -> Range<f64> {
         let t_at = |height: f64| ((height - self.from.y) / self.along.y).clamp(0.0, 1.0);
         let is_level = self.along.y.abs() < 1e-9;
         let (t0, t1) = if is_level { (0.0, 1.0) } else { (t_at(y - reach), t_at(y + reach)) };
         let (x0, x1) = (self.from.x + t0 * self.along.x, self.from.x + t1 * self.along.x);
-        (x0.min(x1) - reach, x0.max(x1) + reach)
+        x0.min(x1) - reach..x0.max(x1) + reach
     }
 }
 
@@ -204,10 +205,10 @@ fn is_beside_ink(text: &[char], column: i64, row: i64) -> bool {
     (-1..=1).any(|down| (-1..=1).any(|right| has_ink(text, column + right, row + down)))
 }
 
-/// Returns the pixels in 0..`limit` that overlap the range from `low` to `high`.
-fn clipped(low: f64, high: f64, limit: u32) -> std::ops::Range<u32> {
+/// Returns the pixels in 0..`limit` that overlap a range.
+fn clipped(range: Range<f64>, limit: u32) -> Range<u32> {
     // Float-to-integer casts saturate, and NaN becomes 0: at worst an empty range.
-    (low.floor() as u32).min(limit)..(high.ceil() as u32).min(limit)
+    (range.start.floor() as u32).min(limit)..(range.end.ceil() as u32).min(limit)
 }
 
 fn is_drawable(points: &[ImagePoint]) -> bool {

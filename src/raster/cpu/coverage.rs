@@ -73,12 +73,18 @@ struct Lanes {
     number: u32,
 }
 
+/// Depth and visible triangle of neighbouring pixels.
+struct TilePixels<'a> {
+    z: &'a mut [f32],
+    seen: &'a mut [u32],
+}
+
 impl Lanes {
     /// Draws eight pixels: `values` are the edge functions at the first, `z_start` the z of its row and `column` its
     /// place in the row, both relative to the triangle's first pixel.
     #[inline]
-    fn fill(&self, (z, seen): (&mut [f32], &mut [u32]), values: [i32; 3], (z_start, column): (f32, i32)) {
-        let (z, seen) = (&mut z[..LANES], &mut seen[..LANES]);
+    fn fill(&self, pixels: TilePixels, values: [i32; 3], z_start: f32, column: i32) {
+        let (z, seen) = (&mut pixels.z[..LANES], &mut pixels.seen[..LANES]);
         for lane in 0..LANES {
             let [p, q, r] = [0, 1, 2].map(|k| values[k] + self.ramps[k][lane]);
             let depth = z_start + self.z_dx * (column + lane as i32) as f32;
@@ -113,7 +119,8 @@ impl Visibility {
             for group in first as usize / LANES..=high.x as usize / LANES {
                 let places = row + group * LANES..row + (group + 1) * LANES;
                 let column = offset.x + (group * LANES) as i32 - first;
-                lanes.fill((&mut self.z[places.clone()], &mut self.seen[places]), values, (z_start, column));
+                let pixels = TilePixels { z: &mut self.z[places.clone()], seen: &mut self.seen[places] };
+                lanes.fill(pixels, values, z_start, column);
                 values = [0, 1, 2].map(|k| values[k] + edges.a[k] * LANES as i32);
             }
         }

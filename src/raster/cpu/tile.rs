@@ -55,6 +55,15 @@ pub(super) struct TilePass<'a> {
     pub(super) size: IVec2,
 }
 
+/// A pixel of a tile.
+#[derive(Clone, Copy)]
+struct TilePixel {
+    /// Index in the tile.
+    place: usize,
+    /// Pixel of the window.
+    pixel: IVec2,
+}
+
 /// Minimum alpha at which blended surfaces are visible to data channels.
 const DATA_ALPHA: f32 = 0.5;
 
@@ -71,10 +80,12 @@ impl TilePass<'_> {
         self.role != PassRole::Data && self.layout.has_mattes
     }
 
-    /// Returns places (index in the tile) and window pixels of the tile's part inside the window.
-    fn pixels(&self) -> impl Iterator<Item = (usize, IVec2)> + use<> {
+    /// Returns the pixels of the tile's part inside the window.
+    fn pixels(&self) -> impl Iterator<Item = TilePixel> + use<> {
         let (origin, size) = (self.origin, self.size);
-        (0..size.y).flat_map(move |y| (0..size.x).map(move |x| ((y * TILE + x) as usize, origin + IVec2::new(x, y))))
+        let pixel =
+            move |x: i32, y: i32| TilePixel { place: (y * TILE + x) as usize, pixel: origin + IVec2::new(x, y) };
+        (0..size.y).flat_map(move |y| (0..size.x).map(move |x| pixel(x, y)))
     }
 }
 
@@ -148,7 +159,7 @@ impl Tile {
 
     fn add_mattes(&mut self, pass: &TilePass, scratch: &Scratch) {
         let draws = &pass.shade.geometry.draws;
-        let seen = pass.pixels().map(|(place, _)| (place, scratch.visibility.seen[place]));
+        let seen = pass.pixels().map(|TilePixel { place, .. }| (place, scratch.visibility.seen[place]));
         let opaque = seen.filter(|(_, number)| *number != NOTHING);
         let with_ids = opaque.map(|(place, number)| (place, draws[scratch.list[number as usize].draw as usize].mattes));
         self.mattes.add_pass(pass.weight, &scratch.fragments, with_ids);
@@ -157,7 +168,7 @@ impl Tile {
     /// Writes the data of the visible surface of each pixel.
     fn write_surfaces(&mut self, pass: &TilePass, scratch: &Scratch) {
         let mut faces = FaceCache::new(pass.shade);
-        for (place, pixel) in pass.pixels() {
+        for TilePixel { place, pixel } in pass.pixels() {
             let number = scratch.data.seen[place];
             if number == NOTHING {
                 continue;
@@ -165,13 +176,13 @@ impl Tile {
             let face = faces.get(number, &scratch.list);
             let is_opaque = number == scratch.visibility.seen[place];
             let normal = scratch.normals.get(place).copied().flatten().filter(|_| is_opaque);
-            self.write_data(pass, face, (place, pixel), normal);
+            self.write_data(pass, face, TilePixel { place, pixel }, normal);
         }
     }
 
     /// Writes the data of one pixel; `normal`: that of the shaded surface, if shading computed one.
-    fn write_data(&mut self, pass: &TilePass, face: &Face, (place, pixel): (usize, IVec2), normal: Option<Vec3>) {
-        let layout = pass.layout;
+    fn write_data(&mut self, pass: &TilePass, face: &Face, at: TilePixel, normal: Option<Vec3>) {
+        let (layout, TilePixel { place, pixel }) = (pass.layout, at);
         let mut put = |group: ChannelGroup, values: &dyn Fn() -> [f32; 4]| {
             let Some(first) = layout.first(group) else { return };
             for (at, value) in values().into_iter().take(group.channels().len()).enumerate() {
@@ -237,7 +248,7 @@ impl<'a> Scratch<'a> {
         self.color.resize(TILE_PIXELS, Vec4::ZERO);
         self.normals.resize(TILE_PIXELS, None);
         let mut faces = FaceCache::new(pass.shade);
-        for (place, pixel) in pass.pixels() {
+        for TilePixel { place, pixel } in pass.pixels() {
             let number = self.visibility.seen[place];
             if number != NOTHING {
                 (self.color[place], self.normals[place]) = faces.get(number, &self.list).color(pass.shade, pixel);

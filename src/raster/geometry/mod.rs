@@ -98,7 +98,7 @@ fn build(
     let submeshes = &assembly.submeshes[part];
     let (vertices, triangles, ends) = if source.lines.is_empty() {
         let splitter = Splitter::new(list, source.triangles.len(), bends);
-        let (faces, opening) = faces(source, splitter, (now, part, submeshes), warped, is_cancelled);
+        let (faces, opening) = faces(assembly, part, splitter, warped, is_cancelled);
         match opening {
             Some(list) if !material.double_sided && material.alpha != AlphaMode::Blend => {
                 add_backs(faces, &list, posed.is_mirrored, now.camera.near())
@@ -128,12 +128,14 @@ fn build(
 /// something is missing. With them comes the list of vertices if the warp may open the front of the part: a single lattice without folds
 /// does not.
 fn faces<'a>(
-    source: &Primitive,
+    assembly: &Assembly,
+    part: usize,
     mut splitter: Splitter<'a>,
-    (now, part, submeshes): (PosedScene, usize, &[Submesh]),
     warped: impl Fn(&ClipVertex, PartPoint) -> RasterVertex + Send + Sync,
     is_cancelled: &IsCancelled,
 ) -> (Faces, Option<VertexList<'a>>) {
+    let Assembly { scene, now, .. } = *assembly;
+    let (source, submeshes) = (primitive(scene, &now.pose.parts[part]), &assembly.submeshes[part]);
     let near = now.camera.near();
     let mut ends = Vec::with_capacity(submeshes.len());
     for submesh in submeshes {

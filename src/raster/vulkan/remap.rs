@@ -86,13 +86,29 @@ pub struct VulkanRemap {
     max_bytes: u64,
 }
 
-/// The planes of a dispatch, and their position.
+/// The planes of a dispatch, their position, and how they are filtered.
 struct Group<'a> {
     map: &'a WarpMap,
     window: PixelRect,
     planes: &'a [&'a [f32]],
     extents: [Extent; 2],
     start: [i32; 2],
+    filter: Filter,
+}
+
+/// A rectangle of a row-major array.
+struct Rows<S> {
+    samples: S,
+    /// Samples per row of the array.
+    stride: u32,
+    rect: PixelRect,
+}
+
+impl<S> Rows<S> {
+    /// An array that is a rectangle.
+    fn all(samples: S, rect: PixelRect) -> Self {
+        Self { samples, stride: rect.width, rect: PixelRect { x: 0, y: 0, ..rect } }
+    }
 }
 
 impl VulkanRemap {
@@ -185,7 +201,7 @@ impl VulkanRemap {
         let tiles = Cut { map, extents, start, filter, most }.tiles();
         let mut uploaded = None;
         for (planes, results) in source.planes.chunks(GROUP).zip(results.chunks_mut(GROUP)) {
-            let group = Group { map, window: source.window, planes, extents, start };
+            let group = Group { map, window: source.window, planes, extents, start, filter };
             let mut held = None;
             for tile in &tiles {
                 if held.replace(tile.part) != Some(tile.part) {
@@ -196,7 +212,7 @@ impl VulkanRemap {
                     _ => self.upload_offsets(map, tile.area)?,
                 };
                 uploaded = Some((tile.area, offset_rect));
-                self.run(&group, (tile, offset_rect), filter, results)?;
+                self.run(&group, tile, offset_rect, results)?;
             }
         }
         Ok(())
@@ -227,7 +243,7 @@ impl VulkanRemap {
         let bytes = self.bind(Role::Source, part.area() * size_of::<f32>() * group.planes.len())?;
         let to: &mut [f32] = bytemuck::cast_slice_mut(bytes);
         for (plane, to) in group.planes.iter().zip(to.chunks_exact_mut(part.area())) {
-            copy_rows((plane, group.window.width, part), (to, part.width, PixelRect { x: 0, y: 0, ..part }));
+            copy_rows(Rows { samples: plane, stride: group.window.width, rect: part }, Rows::all(to, part));
         }
         Ok(())
     }
@@ -242,8 +258,8 @@ impl VulkanRemap {
         let (y, height) = axis(area.y, area.height, map.window.height);
         let offset_rect = PixelRect { x, y, width, height };
         let bytes = self.bind(Role::Offsets, offset_rect.area() * size_of::<[f32; 2]>())?;
-        let from = (&map.offsets[..], map.window.width, offset_rect);
-        copy_rows(from, (bytemuck::cast_slice_mut(bytes), width, PixelRect { x: 0, y: 0, ..offset_rect }));
+        let from = Rows { samples: &map.offsets[..], stride: map.window.width, rect: offset_rect };
+        copy_rows(from, Rows::all(bytemuck::cast_slice_mut(bytes), offset_rect));
         Ok(offset_rect)
     }
 
@@ -251,17 +267,17 @@ impl VulkanRemap {
     fn run(
         &mut self,
         group: &Group,
-        (tile, offset_rect): (&Tile, PixelRect),
-        filter: Filter,
+        tile: &Tile,
+        offset_rect: PixelRect,
         results: &mut [Vec<f32>],
     ) -> Result<(), RasterError> {
         let area = tile.area;
         self.bind(Role::Result, area.area() * size_of::<f32>() * results.len())?;
-        self.dispatch(&group.push(tile, offset_rect), filter)?;
+        self.dispatch(&group.push(tile, offset_rect), group.filter)?;
         let result = self.buffers[Role::Result as usize].as_ref().map_or(&[][..], Buffer::bytes);
         let result: &[f32] = bytemuck::cast_slice(&result[..area.area() * size_of::<f32>() * results.len()]);
         for (from, to) in result.chunks_exact(area.area()).zip(results) {
-            copy_rows((from, area.width, PixelRect { x: 0, y: 0, ..area }), (to, group.map.window.width, area));
+            copy_rows(Rows::all(from, area), Rows { samples: to, stride: group.map.window.width, rect: area });
         }
         Ok(())
     }
@@ -328,17 +344,13 @@ fn check(map: &WarpMap, source: &Planes) -> Result<(), RasterError> {
     Ok(())
 }
 
-/// Copies a rectangle between two row-major arrays; each side is (elements, elements per row, rectangle), of equal
-/// size.
-fn copy_rows<T: Copy>(
-    (from, stride, part): (&[T], u32, PixelRect),
-    (to, to_stride, place): (&mut [T], u32, PixelRect),
-) {
-    let (stride, to_stride, width) = (stride as usize, to_stride as usize, part.width as usize);
-    for row in 0..part.height as usize {
-        let first = (part.y as usize + row) * stride + part.x as usize;
-        let to_first = (place.y as usize + row) * to_stride + place.x as usize;
-        to[to_first..to_first + width].copy_from_slice(&from[first..first + width]);
+/// Copies a rectangle between two arrays; both are of equal size.
+fn copy_rows<T: Copy>(from: Rows<&[T]>, to: Rows<&mut [T]>) {
+    let width = from.rect.width as usize;
+    for row in 0..from.rect.height as usize {
+        let first = (from.rect.y as usize + row) * from.stride as usize + from.rect.x as usize;
+        let to_first = (to.rect.y as usize + row) * to.stride as usize + to.rect.x as usize;
+        to.samples[to_first..to_first + width].copy_from_slice(&from.samples[first..first + width]);
     }
 }
 
