@@ -36,6 +36,13 @@ pub(super) struct Compositor<'a> {
     parts: &'a [(Field, Coverage)],
 }
 
+/// The parts that are drawn so far, over a window.
+struct DrawnParts {
+    planes: Vec<Vec<f32>>,
+    /// Coverage of all of them.
+    filled: Vec<f32>,
+}
+
 impl<'a> Compositor<'a> {
     /// Returns `None` if nothing moves and there is no background.
     pub(super) fn of(warp: &'a Warp, job: &'a Render<'a>) -> Option<Self> {
@@ -113,24 +120,19 @@ impl<'a> Compositor<'a> {
 
     /// Draws the parts, each over those behind it. Where they are connected their shares sum to 1, so that no seam shows.
     fn of_parts(&self, maps: &[Arc<Vec<WarpMap>>], window: PixelRect) -> Vec<Vec<f32>> {
-        let mut drawn = vec![vec![0.0; window.area()]; self.moved.len()];
-        let mut filled = vec![0.0; window.area()];
+        let planes = vec![vec![0.0; window.area()]; self.moved.len()];
+        let mut drawn = DrawnParts { planes, filled: vec![0.0; window.area()] };
         for ((_, share), maps) in self.parts.iter().zip(maps) {
             for map in maps.iter().rev() {
-                self.lay_part(share, (map, window), &mut drawn, &mut filled);
+                self.lay_part(share, map, window, &mut drawn);
             }
         }
-        drawn
+        drawn.planes
     }
 
     /// Composites what a map shows of a part over the planes drawn so far.
-    fn lay_part(
-        &self,
-        share: &Coverage,
-        (map, window): (&WarpMap, PixelRect),
-        drawn: &mut [Vec<f32>],
-        filled: &mut [f32],
-    ) {
+    fn lay_part(&self, share: &Coverage, map: &WarpMap, window: PixelRect, drawn: &mut DrawnParts) {
+        let DrawnParts { planes: drawn, filled } = drawn;
         let Some(read) = reach(map, window, self.job.filter) else { return };
         let read = rect(read).intersection(self.source.window);
         if read.area() == 0 {

@@ -59,7 +59,7 @@ fn compose_channels(
         let split = EdgeSplit::of(compositor, composite, known_alpha);
         let group = AlphaGroup { entries, occlusion, visible };
         report_holes(compositor, &group, report);
-        compose_colors(compositor, (composite, &group, split), planes, report);
+        compose_colors(compositor, ColorInputs { composite, group: &group, split }, planes, report);
         let data = group.of(&[Semantic::Depth, Semantic::Id, Semantic::Data, Semantic::Normal]);
         compositor.copy(&data, (composite, &group), planes);
         compose_cryptomattes(compositor, (composite, &group), planes);
@@ -113,9 +113,17 @@ fn report_holes(compositor: &PlateCompositor, group: &AlphaGroup, report: &mut P
     }
 }
 
+/// What colour is composed from.
+struct ColorInputs<'a> {
+    composite: &'a Composite<'a>,
+    group: &'a AlphaGroup<'a>,
+    /// The light of the layers in pixels that they share, if it is known.
+    split: Option<EdgeSplit<'a>>,
+}
+
 fn compose_colors(
     compositor: &PlateCompositor,
-    (composite, group, split): (&Composite, &AlphaGroup, Option<EdgeSplit>),
+    ColorInputs { composite, group, split }: ColorInputs,
     planes: &mut OutputPlanes,
     report: &mut PlateReport,
 ) {

@@ -27,6 +27,7 @@ pub(super) struct CryptomatteRanks<'a> {
 
 /// The inputs from which the ranks of a pixel are gathered.
 struct RankSource<'a> {
+    composite: &'a Composite<'a>,
     matte: &'a CryptomatteRanks<'a>,
     occlusion: &'a Occlusion,
     uniform: &'a UniformRegions,
@@ -54,7 +55,7 @@ pub(super) fn gathered_ranks(
         for place in 0..planes[0].len() {
             let (x, y) = (place % width, band * BAND + place / width);
             let at = [composite.window.x + x as i32, composite.window.y + y as i32];
-            gather(composite, &RankSource { matte, occlusion, uniform: &uniform }, at, scratch);
+            gather(&RankSource { composite, matte, occlusion, uniform: &uniform }, at, scratch);
             planes.iter_mut().zip(&scratch.ranks).for_each(|(plane, rank)| plane[place] = *rank);
         }
     };
@@ -70,8 +71,8 @@ fn uniform_regions(composite: &Composite, matte: &CryptomatteRanks) -> UniformRe
 }
 
 /// Gathers the ranks of one pixel into `scratch`.
-fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut Scratch) {
-    let RankSource { matte, occlusion, .. } = *from;
+fn gather(from: &RankSource, at: [i32; 2], scratch: &mut Scratch) {
+    let RankSource { composite, matte, occlusion, .. } = *from;
     scratch.ranks.clear();
     scratch.ranks.resize(2 * matte.ranks.len(), 0.0);
     scratch.coverage.clear();
@@ -82,7 +83,7 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
         for index in layers.clone().rev() {
             let (layer, transmittance) = (&composite.layers[index], &occlusion.transmittance[index]);
             let Some(place) = layer.window.sample_index(at) else { continue };
-            find_taps(composite, (from.uniform, layer), (place, at), &mut scratch.taps);
+            from.find_taps(layer, place, at, &mut scratch.taps);
             if let [(index, 1.0)] = scratch.taps[..]
                 && composite.layers.len() == 1
             {
@@ -91,7 +92,7 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
             }
             for &(index, weight) in &scratch.taps {
                 let weight = weight * visible * layer.visibility_at(at);
-                matte.add(composite, layer, (index, weight), &mut scratch.coverage);
+                from.add(layer, index, weight, &mut scratch.coverage);
             }
             visible *= transmittance.get(place).copied().unwrap_or(0.0);
             if visible <= 0.0 {
@@ -110,28 +111,37 @@ fn gather(composite: &Composite, from: &RankSource, at: [i32; 2], scratch: &mut 
     limit(&mut scratch.ranks);
 }
 
-/// Finds the samples in the footprint of a layer's pixel. If all of them are equal, one stands for all: weights that
-/// sum to 0.9999999 would leave noise in every matte.
-fn find_taps(
-    composite: &Composite,
-    (uniform, layer): (&UniformRegions, &WarpedLayer),
-    (place, at): (usize, [i32; 2]),
-    taps: &mut Vec<(usize, f32)>,
-) {
-    match &layer.map {
-        Some(map) => {
-            let one = footprint_bounds(map, place, composite.source).and_then(|ends| uniform.representative(ends));
-            match one {
-                Some(sample) => {
-                    taps.clear();
-                    taps.push((sample, 1.0));
+impl RankSource<'_> {
+    /// Finds the samples in the footprint of a layer's pixel. If all of them are equal, one stands for all: weights that
+    /// sum to 0.9999999 would leave noise in every matte.
+    fn find_taps(&self, layer: &WarpedLayer, place: usize, at: [i32; 2], taps: &mut Vec<(usize, f32)>) {
+        let source = self.composite.source;
+        match &layer.map {
+            Some(map) => {
+                let one = footprint_bounds(map, place, source).and_then(|ends| self.uniform.representative(ends));
+                match one {
+                    Some(sample) => {
+                        taps.clear();
+                        taps.push((sample, 1.0));
+                    }
+                    None => footprint_taps(map, place, source, taps),
                 }
-                None => footprint_taps(map, place, composite.source, taps),
+            }
+            None => {
+                taps.clear();
+                taps.extend(source.sample_index(at).map(|index| (index, 1.0)));
             }
         }
-        None => {
-            taps.clear();
-            taps.extend(composite.source.sample_index(at).map(|index| (index, 1.0)));
+    }
+
+    /// Adds the ranks of a sample, scaled by the layer's matte.
+    fn add(&self, layer: &WarpedLayer, index: usize, weight: f32, coverage: &mut IdCoverage) {
+        let of_layer = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[index]);
+        for [ids, coverages] in &self.matte.ranks {
+            let id = MatteId::from_sample(ids[index]);
+            let share = layer.matte.share.as_ref().map_or(1.0, |share| share[index]);
+            let part = self.matte.part_by_id(self.composite, layer, id).map_or(of_layer, |part| part * share);
+            coverage.add(id, coverages[index] * weight * part);
         }
     }
 }
@@ -140,23 +150,6 @@ impl CryptomatteRanks<'_> {
     fn copy(&self, index: usize, ranks: &mut [f32]) {
         for (rank, source) in ranks.chunks_exact_mut(2).zip(&self.ranks) {
             rank.copy_from_slice(&source.map(|channel| channel[index]));
-        }
-    }
-
-    /// Adds the ranks of a sample, scaled by the layer's matte.
-    fn add(
-        &self,
-        composite: &Composite,
-        layer: &WarpedLayer,
-        (index, weight): (usize, f32),
-        coverage: &mut IdCoverage,
-    ) {
-        let of_layer = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[index]);
-        for [ids, coverages] in &self.ranks {
-            let id = MatteId::from_sample(ids[index]);
-            let share = layer.matte.share.as_ref().map_or(1.0, |share| share[index]);
-            let part = self.part_by_id(composite, layer, id).map_or(of_layer, |part| part * share);
-            coverage.add(id, coverages[index] * weight * part);
         }
     }
 

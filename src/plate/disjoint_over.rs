@@ -180,61 +180,67 @@ pub(super) fn colors(
     by: Resampling,
 ) -> Vec<Vec<f32>> {
     let groups = planes.chunks(GROUP);
-    groups.flat_map(|group| color_group(composite, group, occlusion, by)).collect()
+    groups.flat_map(|planes| ColorGroup { composite, planes, occlusion, by }.composited()).collect()
 }
 
-fn color_group(composite: &Composite, planes: &[Cow<[f32]>], occlusion: &Occlusion, by: Resampling) -> Vec<Vec<f32>> {
-    let mut result: Option<Vec<Vec<f32>>> = None;
-    for Run { layers, transmittance: of_all } in &occlusion.runs {
-        let Some(of_all) = of_all else {
-            lay(composite, (layers.start, planes), occlusion, by, &mut result);
-            continue;
-        };
-        let mut own = Some(vec![vec![0.0; composite.window.area()]; planes.len()]);
-        layers.clone().for_each(|index| lay(composite, (index, planes), occlusion, by, &mut own));
-        let Some(result) = &mut result else {
-            result = own;
-            continue;
-        };
-        for (below, above) in result.iter_mut().zip(own.into_iter().flatten()) {
-            let pixels = below.par_iter_mut().zip(above).zip(of_all).with_min_len(BATCH);
-            pixels.for_each(|((below, above), transmittance)| *below = over(above, *below, *transmittance));
+/// Planes of colour that are composited together.
+struct ColorGroup<'a> {
+    composite: &'a Composite<'a>,
+    planes: &'a [Cow<'a, [f32]>],
+    occlusion: &'a Occlusion,
+    by: Resampling<'a>,
+}
+
+impl ColorGroup<'_> {
+    fn composited(&self) -> Vec<Vec<f32>> {
+        let Self { composite, planes, occlusion, .. } = *self;
+        let mut result: Option<Vec<Vec<f32>>> = None;
+        for Run { layers, transmittance: of_all } in &occlusion.runs {
+            let Some(of_all) = of_all else {
+                self.lay(layers.start, &mut result);
+                continue;
+            };
+            let mut own = Some(vec![vec![0.0; composite.window.area()]; planes.len()]);
+            layers.clone().for_each(|index| self.lay(index, &mut own));
+            let Some(result) = &mut result else {
+                result = own;
+                continue;
+            };
+            for (below, above) in result.iter_mut().zip(own.into_iter().flatten()) {
+                let pixels = below.par_iter_mut().zip(above).zip(of_all).with_min_len(BATCH);
+                pixels.for_each(|((below, above), transmittance)| *below = over(above, *below, *transmittance));
+            }
         }
+        result.unwrap_or_default()
     }
-    result.unwrap_or_default()
-}
 
-/// Composites a layer over the accumulated planes.
-fn lay(
-    composite: &Composite,
-    (index, planes): (usize, &[Cow<[f32]>]),
-    occlusion: &Occlusion,
-    by: Resampling,
-    result: &mut Option<Vec<Vec<f32>>>,
-) {
-    let (layer, transmittance) = (&composite.layers[index], &occlusion.transmittance[index]);
-    let reached = planes.iter().map(|plane| layer.reached(composite, plane));
-    let covered: Vec<Cow<[f32]>> = match &layer.matte.coverage {
-        Some(coverage) => {
-            let coverage = layer.reached(composite, coverage);
-            reached.map(|plane| Cow::Owned(weighted(&plane, &coverage))).collect()
-        }
-        None => reached.collect(),
-    };
-    let source = Planes { window: layer.reach, planes: covered.iter().map(|plane| &plane[..]).collect() };
-    let mut seen = resampled(layer, &source, by);
-    dim_all(layer, &mut seen);
-    match result {
-        None if layer.window == composite.window => *result = Some(seen),
-        None => {
-            let spread = |plane: &Vec<f32>| layer.window.resized_samples(plane, composite.window, 0.0);
-            *result = Some(seen.iter().map(spread).collect());
-        }
-        Some(result) => {
-            for (plane, mut seen) in result.iter_mut().zip(seen) {
-                each_pixel(composite, layer, plane, &mut seen, |at, below, above| {
-                    *below = over(*above, *below, transmittance[at]);
-                });
+    /// Composites a layer over the accumulated planes.
+    fn lay(&self, index: usize, result: &mut Option<Vec<Vec<f32>>>) {
+        let Self { composite, planes, occlusion, by } = *self;
+        let (layer, transmittance) = (&composite.layers[index], &occlusion.transmittance[index]);
+        let reached = planes.iter().map(|plane| layer.reached(composite, plane));
+        let covered: Vec<Cow<[f32]>> = match &layer.matte.coverage {
+            Some(coverage) => {
+                let coverage = layer.reached(composite, coverage);
+                reached.map(|plane| Cow::Owned(weighted(&plane, &coverage))).collect()
+            }
+            None => reached.collect(),
+        };
+        let source = Planes { window: layer.reach, planes: covered.iter().map(|plane| &plane[..]).collect() };
+        let mut seen = resampled(layer, &source, by);
+        dim_all(layer, &mut seen);
+        match result {
+            None if layer.window == composite.window => *result = Some(seen),
+            None => {
+                let spread = |plane: &Vec<f32>| layer.window.resized_samples(plane, composite.window, 0.0);
+                *result = Some(seen.iter().map(spread).collect());
+            }
+            Some(result) => {
+                for (plane, mut seen) in result.iter_mut().zip(seen) {
+                    each_pixel(composite, layer, plane, &mut seen, |at, below, above| {
+                        *below = over(*above, *below, transmittance[at]);
+                    });
+                }
             }
         }
     }

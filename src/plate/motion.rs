@@ -11,7 +11,7 @@ use super::moving_layer::MovingLayer;
 use super::pixel_field::{Direction, corner, extent};
 use super::visible_samples::VisibleSample;
 use super::{Field, MotionEncoding, Semantic, WarpMap};
-use crate::space::{FrameSize, FrameWindow, ImagePoint, PixelRect};
+use crate::space::{FrameSize, FrameWindow, ImagePoint};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -60,31 +60,31 @@ pub(super) fn warped_motion(
 /// Motion vectors of the fill plate.
 pub(super) struct HoleVectors<'a> {
     pub(super) vectors: MotionVectors<'a>,
-    /// Window of the vectors.
-    pub(super) window: PixelRect,
+    /// Frame of the plate, and window of the vectors.
+    pub(super) place: FrameWindow,
     /// The background layer, which moves them.
     pub(super) background: &'a MovingLayer<'a>,
 }
 
-/// Fills the holes of a composite with vectors, warped and converted to the plate's encoding.
+/// Fills the holes of a composite with vectors, warped and converted to an encoding, that of the plate.
 pub(super) fn fill_motion(
     composite: &Composite,
     behind: &HoleVectors,
     visible: &[VisibleSample],
-    (frame, encoding): (FrameSize, MotionEncoding),
+    encoding: MotionEncoding,
     planes: &mut [Vec<f32>; 2],
 ) {
     if !visible.contains(&VisibleSample::Hole) {
         return;
     }
-    let HoleVectors { vectors, window, background } = *behind;
-    let displacements = Displacements::of(background, vectors.semantic, FrameWindow { frame, window });
+    let HoleVectors { vectors, place, background } = *behind;
+    let displacements = Displacements::of(background, vectors.semantic, place);
     let factors = [0, 1].map(|axis| (vectors.encoding.pixels_per_unit[axis] / encoding.pixels_per_unit[axis]) as f32);
     let [us, vs] = planes;
     let pixels = us.par_iter_mut().zip(vs).zip(visible).enumerate();
     pixels.filter(|(_, (_, seen))| **seen == VisibleSample::Hole).for_each(|(at, ((u, v), _))| {
         let Some(pixel) = composite.background_source(at) else { return };
-        let Some(index) = window.sample_index(pixel) else { return };
+        let Some(index) = place.window.sample_index(pixel) else { return };
         let [x, y] = vectors.warped(index, pixel, &displacements);
         (*u, *v) = (x * factors[0], y * factors[1]);
     });

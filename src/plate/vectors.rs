@@ -11,7 +11,7 @@ use super::semantics::VECTOR_COMPONENTS;
 use super::visible_samples::VisibleSample;
 use super::{MotionEncoding, NormalMode, PlateReport, Semantic};
 use crate::image::Plate;
-use crate::space::PixelRect;
+use crate::space::{FrameWindow, PixelRect};
 
 /// The missing information because of which vectors pass through unchanged.
 enum Unknown {
@@ -59,8 +59,9 @@ fn motion(
     let frame = compositor.table.plate.frame_size();
     let mut planes = warped_motion(composite, vectors, (&group.visible, moving_layers), frame);
     if let Some((behind, window)) = hole_vectors(compositor, [u, v], (semantic, encoding)) {
-        let behind = HoleVectors { vectors: behind, window, background: &moving_layers[0] };
-        fill_motion(composite, &behind, &group.visible, (frame, encoding), &mut planes);
+        let place = FrameWindow { frame, window };
+        let behind = HoleVectors { vectors: behind, place, background: &moving_layers[0] };
+        fill_motion(composite, &behind, &group.visible, encoding, &mut planes);
     }
     let [us, vs] = planes;
     Ok([(u.index, us), (v.index, vs)])

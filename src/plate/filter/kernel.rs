@@ -98,14 +98,20 @@ fn separable<const PAIRS: usize, S: Simd>(
     halves::<S>(sum)
 }
 
+/// Whole blocks of texels around a pixel's position.
+struct TexelBlocks<'a, const N: usize> {
+    texels: [&'a [Texel]; N],
+    stride: usize,
+    /// Index in the blocks of the sample before the position.
+    base: [usize; 2],
+}
+
 /// Applies Catmull-Rom along the axes of a widened footprint, normalised; `N` groups of planes share the weights.
-/// `texels` are whole blocks, `base` is the index in them of the sample before the pixel's position, and `fraction` is
-/// the distance of the position from that sample.
+/// `fraction` is the distance of the pixel's position from the sample before it.
 #[inline(always)]
 fn cubic_footprint<const N: usize, S: Simd>(
     simd: S,
-    (texels, stride): ([&[Texel]; N], usize),
-    base: [usize; 2],
+    TexelBlocks { texels, stride, base }: TexelBlocks<N>,
     fraction: [f32; 2],
     footprint: &Footprint,
 ) -> [Texel; N] {
@@ -283,7 +289,8 @@ impl<const N: usize> Accumulate<'_, N> {
             }
             let base = [(position.sample[0] - low[0]) as i32 as usize, (position.sample[1] - low[1]) as i32 as usize];
             if !footprint.is_unit() {
-                *sums = cubic_footprint(simd, (self.texels, stride), base, position.fraction, footprint);
+                let blocks = TexelBlocks { texels: self.texels, stride, base };
+                *sums = cubic_footprint(simd, blocks, position.fraction, footprint);
                 continue;
             }
             let across = Cubic.weights(simd, position.fraction[0]);

@@ -51,6 +51,21 @@ pub(super) struct Scratch {
     samples: Vec<u32>,
 }
 
+/// An area of the map, and the samples of the source that it needs.
+#[derive(Clone, Copy)]
+struct SampledArea {
+    area: Area,
+    rect: SampleRect,
+}
+
+/// Where the pixels of an area come from, one of each per pixel.
+#[derive(Clone, Copy)]
+struct PixelSources<'a> {
+    positions: &'a [SourcePosition],
+    /// Empty if the filter has none.
+    footprints: &'a [Footprint],
+}
+
 /// The rows of the planes that a band writes, and the position of their first pixel in the map.
 struct Band<'a, 'b> {
     planes: &'a mut [&'b mut [f32]],
@@ -102,8 +117,8 @@ impl<'a> Tiles<'a> {
         for first in (0..self.source.planes.len()).step_by(GROUP * GROUPS) {
             let planes = &self.source.planes[first..];
             match planes.len().div_ceil(GROUP) {
-                1 => self.write_groups::<1>((area, rect), first, band, scratch),
-                _ => self.write_groups::<GROUPS>((area, rect), first, band, scratch),
+                1 => self.write_groups::<1>(SampledArea { area, rect }, first, band, scratch),
+                _ => self.write_groups::<GROUPS>(SampledArea { area, rect }, first, band, scratch),
             }
         }
         if found.still > 0 {
@@ -114,7 +129,7 @@ impl<'a> Tiles<'a> {
     /// Filters `N` groups of planes, starting at the plane `first`.
     fn write_groups<const N: usize>(
         &self,
-        (area, rect): (Area, SampleRect),
+        SampledArea { area, rect }: SampledArea,
         first: usize,
         band: &mut Band,
         scratch: &mut Scratch,
@@ -125,9 +140,10 @@ impl<'a> Tiles<'a> {
             dispatch(FillBlock { block, planes, extents: &self.extents, rect: &rect });
         }
         let texels: [&[Texel]; N] = std::array::from_fn(|n| &blocks[n].texels[..]);
-        self.filter_texels(&blocks[0], texels, (positions, footprints), sums);
+        let pixels = PixelSources { positions, footprints };
+        self.filter_texels(&blocks[0], texels, pixels, sums);
         for (n, block) in blocks.iter().take(N).enumerate().filter(|(_, block)| !block.presence.is_empty()) {
-            self.filter_texels(block, [&block.presence[..]], (positions, footprints), presence);
+            self.filter_texels(block, [&block.presence[..]], pixels, presence);
             let sums = sums.iter_mut().skip(n).step_by(N);
             sums.zip(presence.iter()).for_each(|(sum, present)| renormalize(sum, present));
         }
@@ -167,7 +183,7 @@ impl<'a> Tiles<'a> {
         &self,
         block: &Block,
         texels: [&[Texel]; N],
-        (positions, footprints): (&[SourcePosition], &[Footprint]),
+        PixelSources { positions, footprints }: PixelSources,
         sums: &mut Vec<Texel>,
     ) {
         sums.resize(N * positions.len(), [0.0; 4]);
