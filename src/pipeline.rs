@@ -30,12 +30,13 @@ mod viewer;
 mod error;
 
 use crate::raster;
+use draw::FramesToDraw;
 use run::render_plan::RenderPlan;
 use run::renderer::Renderer;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::sync_channel;
 
-pub(crate) use branches::{BranchPart, Exposure, fields_of, parts_of_file};
+pub(crate) use branches::{BranchPart, BranchView, Exposure, SampleInMotion, fields_of, parts_of_file};
 #[cfg(feature = "cli")]
 pub(crate) use draw::frame_checks::FrameChecks;
 pub(crate) use draw::jerk::JerkMeter;
@@ -89,7 +90,7 @@ pub(crate) use viewer::open_shot::{OpenShot, Rework};
 pub(crate) use viewer::picked_point::PickedPoint;
 pub(crate) use viewer::problem_shot::{ProblemShot, problem_shot};
 pub(crate) use viewer::stiff_triangles::StiffTriangle;
-pub(crate) use viewer::still::Device;
+pub(crate) use viewer::still::{Device, Draft};
 #[cfg(feature = "editor")]
 pub(crate) use viewer::warped_still::WarpedStill;
 
@@ -150,7 +151,8 @@ fn run_plan(
     let raster_ms = std::thread::scope(|scope| {
         let (drawn, drawns) = sync_channel(QUEUED_FRAMES);
         let writing = scope.spawn(|| writer.run(drawns, on_event));
-        let raster_ms = renderer.draw((plan.prepared, plan.options), &todo.frames, cancel, drawn);
+        let frames = FramesToDraw { frames: &todo.frames, options: plan.options, cancel };
+        let raster_ms = renderer.draw(plan.prepared, frames, drawn);
         // Propagates a panic in the writer.
         writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         raster_ms

@@ -13,7 +13,10 @@ use super::warp::{ActingPin, PinPlace, Warning};
 use super::{Controls, LiveError, Moved, NEVER, OwnPins, ShapeSource, ShotShape, Stop, Warp, shape_source};
 use crate::lattice::Support;
 use crate::memory;
-use crate::pipeline::{Exposure, LayerState, LayerTask, PinAnchor, PipelineError, PreparedShot, TimeSample, fields_of};
+use crate::pipeline::{
+    BranchView, Exposure, LayerState, LayerTask, PinAnchor, PipelineError, PreparedShot, SampleInMotion, TimeSample,
+    fields_of,
+};
 use crate::plate::SharedParts;
 use crate::shot::{FrameRange, Layer};
 use crate::solve::{Cancel, SolveError};
@@ -280,7 +283,8 @@ impl Task<'_> {
         }
         let mut sample = self.unsolved()?;
         sample.layers[self.index] = state;
-        let parts = self.prepared.branch_parts(self.index, (&sample, None), (self.size, Exposure::Shutter));
+        let view = BranchView { size: self.size, exposure: Exposure::Shutter };
+        let parts = self.prepared.branch_parts(self.index, SampleInMotion { now: &sample, around: None }, view);
         Ok((parts.and_then(fields_of), std::mem::take(&mut sample.layers[self.index])))
     }
 }

@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use pinwarp::edit::{Document, MatteChoice, Quality, Session, open};
 use pinwarp::image::cryptomatte::{Manifest, MatteId};
 use pinwarp::image::{Channel, Plate, PlatePart, Preview, Storage, preview, write_plate, write_png};
-use pinwarp::pipeline::PreparedShot;
+use pinwarp::pipeline::{Draft, PreparedShot};
 use pinwarp::raster::DeviceChoice;
 use pinwarp::raster::geometry::KeptParts;
 use pinwarp::scene::FileAccess;
@@ -140,8 +140,8 @@ fn chequered(width: u32, height: u32) -> Preview {
 /// The pixels of a draft of frame 1.
 fn draft(prepared: &PreparedShot, [width, height]: [u32; 2]) -> Vec<u8> {
     let sample = prepared.provisional(1).expect("solved");
-    let (size, kept) = (FrameSize::new(width, height), KeptParts::default());
-    let frame = prepared.draft(None, (&sample, &kept), size, &|| false).expect("drawn").expect("not cancelled");
+    let draft = Draft { sample: &sample, kept: &KeptParts::default(), size: FrameSize::new(width, height) };
+    let frame = prepared.draft(None, draft, &|| false).expect("drawn").expect("not cancelled");
     let drawn = preview(&frame);
     assert_eq!((drawn.width, drawn.height), (width, height));
     drawn.rgba

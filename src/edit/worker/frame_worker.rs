@@ -12,8 +12,8 @@ use super::mail::{
 use crate::edit::frame_runs::pop_frame;
 use crate::edit::picture::{Picture, Quality};
 use crate::pipeline::{
-    FrameReport, JerkMeter, LayerMarks, OpenShot, PickedPoint, PipelineError, Rework, TimeSample, layer_marks, report,
-    resting_marks,
+    Draft, FrameReport, JerkMeter, LayerMarks, OpenShot, PickedPoint, PipelineError, Rework, TimeSample, layer_marks,
+    report, resting_marks,
 };
 use crate::raster::geometry::KeptParts;
 use crate::raster::{self, DeviceChoice, Raster};
@@ -64,6 +64,33 @@ enum Task {
     /// Nothing arrived for a while.
     Watch,
     Over,
+}
+
+/// A solved time of a frame, at a revision of the document.
+#[derive(Clone, Copy)]
+struct SolvedTime<'a> {
+    frame: i32,
+    revision: u64,
+    sample: &'a TimeSample,
+    /// Whether it is what a render would show.
+    is_final: bool,
+}
+
+impl<'a> SolvedTime<'a> {
+    /// Returns the frame of a job while it is dragged.
+    fn of_drag(job: &Job, drag: &'a DragSolve) -> Self {
+        Self { frame: job.frame, revision: job.revision, sample: drag.sample(), is_final: false }
+    }
+}
+
+/// A draft to draw.
+#[derive(Clone, Copy)]
+struct DraftOrder<'a> {
+    solved: SolvedTime<'a>,
+    /// Parts that have been built for this time before.
+    kept: &'a KeptParts,
+    /// Time budget in milliseconds.
+    longest_ms: f64,
 }
 
 impl FrameWorker {
@@ -250,10 +277,11 @@ impl FrameWorker {
             return Ok(false);
         };
         self.seen = Some((job.frame, Arc::clone(&sample)));
-        self.send_solved((job.frame, job.revision), (&sample, was_settled), sender);
-        let quality = if was_settled { Quality::Draft } else { Quality::Provisional };
+        let (frame, revision) = (job.frame, job.revision);
+        let solved = SolvedTime { frame, revision, sample: &sample, is_final: was_settled };
+        self.send_solved(solved, sender);
         let is_unwanted = || interrupts.is_pen_waiting();
-        self.draw((job.frame, job), (&sample, &KeptParts::default(), quality), (LOOK_MS, &is_unwanted), sender)?;
+        self.draw(DraftOrder { solved, kept: &KeptParts::default(), longest_ms: LOOK_MS }, &is_unwanted, sender)?;
         let is_stale = || interrupts.is_stale();
         if is_stale() {
             return Ok(false);
@@ -271,7 +299,7 @@ impl FrameWorker {
             let shifts = prepared.layer_shifts([&shown, &sample]);
             sender.send(Reply::Shifted(job.revision, job.frame, shifts));
             self.seen = Some((job.frame, Arc::clone(&sample)));
-            self.send_solved((job.frame, job.revision), (&sample, true), sender);
+            self.send_solved(SolvedTime { frame, revision, sample: &sample, is_final: true }, sender);
             self.set_drag_aside(job.frame);
         }
         let Some(open) = &self.open else { return Ok(false) };
@@ -288,8 +316,8 @@ impl FrameWorker {
         let Some(open) = &self.open else { return Ok(()) };
         let prepared = open.prepared();
         let sample = prepared.unsolved_at(prepared.mid_exposure_time(f64::from(job.frame)))?;
-        let (kept, size) = (KeptParts::default(), prepared.shot.size);
-        let drawn = prepared.draft(self.device.as_deref_mut(), (&sample, &kept), size, &|| false)?;
+        let draft = Draft { sample: &sample, kept: &KeptParts::default(), size: prepared.shot.size };
+        let drawn = prepared.draft(self.device.as_deref_mut(), draft, &|| false)?;
         let picture = drawn.map(|drawn| Picture::of(&drawn, (job.frame, job.revision), Quality::Draft));
         picture.into_iter().for_each(|picture| sender.send(Reply::Before(Arc::new(picture))));
         Ok(())
@@ -300,9 +328,9 @@ impl FrameWorker {
         let prepared = open.prepared();
         let is_settled = prepared.is_settled();
         let sample = if is_settled { prepared.mid_exposure(frame)? } else { Arc::new(prepared.provisional(frame)?) };
-        self.send_solved((frame, job.revision), (&sample, is_settled), sender);
-        let quality = if is_settled { Quality::Draft } else { Quality::Provisional };
-        self.draw((frame, job), (&sample, &KeptParts::default(), quality), (PLAY_MS, &|| false), sender)
+        let solved = SolvedTime { frame, revision: job.revision, sample: &sample, is_final: is_settled };
+        self.send_solved(solved, sender);
+        self.draw(DraftOrder { solved, kept: &KeptParts::default(), longest_ms: PLAY_MS }, &|| false, sender)
     }
 
     /// Reports a frame without drawing it. The report of one that cannot be solved has no figures; who goes there is told why.
@@ -331,14 +359,14 @@ impl FrameWorker {
         };
         drag.take_up(prepared, layers);
         let marks = [&layer_marks(prepared, drag.sample())[..], drag.resting()].concat();
-        let solved = self.solved((job.frame, job.revision), (drag.sample(), false), marks);
-        sender.send(Reply::Solved(Arc::new(solved)));
+        sender.send(Reply::Solved(Arc::new(self.solved(SolvedTime::of_drag(job, &drag), marks))));
         let solved_ms = begun.elapsed().as_secs_f64() * 1e3;
         let left_ms = (DRAG_MS - solved_ms).max(5.0);
         let is_slow = self.drafts.least_ms().is_some_and(|least| least > SLOW_MS && least > self.still_ms);
         if !(is_slow && self.warp_still(job, &mut drag, sender)?) {
-            let quality = Quality::Provisional;
-            self.draw((job.frame, job), (drag.sample(), drag.at_rest(), quality), (left_ms, &|| false), sender)?;
+            let order =
+                DraftOrder { solved: SolvedTime::of_drag(job, &drag), kept: drag.at_rest(), longest_ms: left_ms };
+            self.draw(order, &|| false, sender)?;
         }
         self.drag = Some(drag);
         Ok(())
@@ -360,23 +388,20 @@ impl FrameWorker {
         Ok(true)
     }
 
-    fn send_solved(&mut self, of: (i32, u64), (sample, is_final): (&TimeSample, bool), sender: &ReplySender) {
+    fn send_solved(&mut self, solved: SolvedTime, sender: &ReplySender) {
         let Some(open) = &self.open else { return };
+        let sample = solved.sample;
         let marks = [layer_marks(open.prepared(), sample), resting_marks(open.prepared(), sample)].concat();
-        let mut solved = self.solved(of, (sample, is_final), marks);
+        let mut reply = self.solved(solved, marks);
         // A provisional sample would be remembered as the frame.
-        if let Some(open) = self.open.as_ref().filter(|_| is_final) {
-            self.jerk.watch(open.prepared(), sample, &mut solved.report);
+        if let Some(open) = self.open.as_ref().filter(|_| solved.is_final) {
+            self.jerk.watch(open.prepared(), sample, &mut reply.report);
         }
-        sender.send(Reply::Solved(Arc::new(solved)));
+        sender.send(Reply::Solved(Arc::new(reply)));
     }
 
-    fn solved(
-        &self,
-        (frame, revision): (i32, u64),
-        (sample, is_final): (&TimeSample, bool),
-        marks: Vec<LayerMarks>,
-    ) -> SolvedFrame {
+    fn solved(&self, solved: SolvedTime, marks: Vec<LayerMarks>) -> SolvedFrame {
+        let SolvedTime { frame, revision, sample, is_final } = solved;
         let of = |open: &OpenShot| match is_final {
             true => report(open.prepared(), frame, sample),
             false => Default::default(),
@@ -388,18 +413,19 @@ impl FrameWorker {
     /// Draws a draft, unless it becomes unwanted.
     fn draw(
         &mut self,
-        (frame, job): (i32, &Job),
-        (sample, kept, quality): (&TimeSample, &KeptParts, Quality),
-        (longest_ms, is_unwanted): (f64, &(dyn Fn() -> bool + Sync)),
+        DraftOrder { solved, kept, longest_ms }: DraftOrder,
+        is_unwanted: &(dyn Fn() -> bool + Sync),
         sender: &ReplySender,
     ) -> Result<(), PipelineError> {
         let Some(open) = &self.open else { return Ok(()) };
         let full: FrameSize = open.prepared().shot.size;
         let size = self.drafts.within(full, longest_ms);
         let begun = Instant::now();
-        let drawn = open.prepared().draft(self.device.as_deref_mut(), (sample, kept), size, is_unwanted)?;
+        let draft = Draft { sample: solved.sample, kept, size };
+        let drawn = open.prepared().draft(self.device.as_deref_mut(), draft, is_unwanted)?;
         let Some(drawn) = drawn else { return Ok(()) };
-        let picture = Picture::of(&drawn, (frame, job.revision), quality);
+        let quality = if solved.is_final { Quality::Draft } else { Quality::Provisional };
+        let picture = Picture::of(&drawn, (solved.frame, solved.revision), quality);
         self.drafts.learn(full, size, begun.elapsed().as_secs_f64() * 1e3);
         sender.send(Reply::Drawn(Arc::new(picture)));
         Ok(())

@@ -50,6 +50,21 @@ pub(crate) enum Exposure {
     Shutter,
 }
 
+/// A solved time with its neighbours.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleInMotion<'a> {
+    pub(crate) now: &'a TimeSample,
+    /// The samples of the previous and the next frame if motion is wanted; each part then moves as one in all three.
+    pub(crate) around: Option<[&'a TimeSample; 2]>,
+}
+
+/// The picture in which parts are seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BranchView {
+    pub(crate) size: FrameSize,
+    pub(crate) exposure: Exposure,
+}
+
 /// The labels of a layer as seen in one picture.
 struct VisibleLabels {
     labels: Vec<Label>,
@@ -64,21 +79,19 @@ struct VisibleLabels {
 }
 
 impl PreparedShot {
-    /// Returns the parts of a layer from back to front, for a picture of the given size of the unwarped scene; `None`
+    /// Returns the parts of a layer from back to front, for a picture of the unwarped scene; `None`
     /// if the layer's lattice does not branch at that time.
-    ///
-    /// `around`: the samples of the previous and the next frame if motion is wanted; each part then moves as one in all three.
     pub(crate) fn branch_parts(
         &self,
         layer: usize,
-        (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
-        picture: (FrameSize, Exposure),
+        sample: SampleInMotion,
+        view: BranchView,
     ) -> Option<Vec<BranchPart>> {
         let VisibleLabels { labels, lattices, order, mut shares, covered } =
-            self.visible_labels(layer, (now, around), picture)?;
+            self.visible_labels(layer, sample, view)?;
         let covered = Arc::new(covered);
         let around =
-            around.map(|samples| samples.map(|sample| sample.layers[layer].solution.as_ref().map(lattices_of)));
+            sample.around.map(|samples| samples.map(|sample| sample.layers[layer].solution.as_ref().map(lattices_of)));
         let lattice_around = |label: &Label| {
             let lattice = |side: usize, of_side: &Option<Vec<ScreenLattice>>| {
                 of_side.as_ref().map(|lattices| lattices[label.around[side].unwrap_or(0)].clone())
@@ -96,7 +109,11 @@ impl PreparedShot {
     /// Returns the branches of a layer as stored in a lattice file; `None` if its lattice does not branch.
     pub(super) fn file_branches(&self, layer: usize, now: &TimeSample) -> Option<LatticeBranches> {
         let (branches, OrderedParts { list, of_pieces, .. }) = ordered_parts(self, layer, now)?;
-        let seen = self.visible_labels(layer, (now, None), (self.shot.size, Exposure::Instant));
+        let seen = self.visible_labels(
+            layer,
+            SampleInMotion { now, around: None },
+            BranchView { size: self.shot.size, exposure: Exposure::Instant },
+        );
         let order = seen.map(|seen| seen.order.into_iter().map(|label| seen.labels[label].now).collect());
         // Without any visible part, the largest branch is the rearmost.
         let order: Vec<OrderedPart> = order.unwrap_or_else(|| list.clone());
@@ -118,8 +135,8 @@ impl PreparedShot {
     fn visible_labels(
         &self,
         layer: usize,
-        (now, around): (&TimeSample, Option<[&TimeSample; 2]>),
-        (size, exposure): (FrameSize, Exposure),
+        SampleInMotion { now, around }: SampleInMotion,
+        BranchView { size, exposure }: BranchView,
     ) -> Option<VisibleLabels> {
         let LabelledPieces { labels, pieces } = LabelledPieces::of(self, layer, now, around)?;
         let (begin, plan) = self.passes_of(now, exposure);

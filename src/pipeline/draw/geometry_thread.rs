@@ -149,13 +149,25 @@ impl GeometryThread<'_> {
     }
 }
 
+/// What the geometry of a solved time is built from.
+struct GeometryInputs<'a> {
+    now: &'a TimeSample,
+    /// The samples one frame later and one earlier, if motion is wanted.
+    around: Option<[&'a TimeSample; 2]>,
+    /// Warps that edges are split for, if not those of `now`.
+    split_for: Option<&'a [PartWarp<'a>]>,
+    /// Parts that have been built for this time before.
+    kept: &'a KeptParts,
+}
+
 /// Builds the geometry of a solved time; `around`: the samples one frame later and one earlier, if motion is wanted.
 pub(in crate::pipeline) fn geometry_of(
     prepared: &PreparedShot,
     now: &TimeSample,
     around: Option<[&TimeSample; 2]>,
 ) -> Geometry {
-    built(prepared, (now, None), around, (&KeptParts::default(), &|| false)).unwrap_or_default()
+    let inputs = GeometryInputs { now, around, split_for: None, kept: &KeptParts::default() };
+    built(prepared, inputs, &|| false).unwrap_or_default()
 }
 
 /// Builds the geometry of one time with its motion to another, and edges split for the warps of `curved`, one of the two:
@@ -166,8 +178,8 @@ pub(in crate::pipeline) fn geometry_between(
     curved: &TimeSample,
 ) -> Geometry {
     let warps = curved.warps(&prepared.assignment, |_| true);
-    let around = Some([other; 2]);
-    built(prepared, (now, Some(&warps)), around, (&KeptParts::default(), &|| false)).unwrap_or_default()
+    let inputs = GeometryInputs { now, around: Some([other; 2]), split_for: Some(&warps), kept: &KeptParts::default() };
+    built(prepared, inputs, &|| false).unwrap_or_default()
 }
 
 /// Builds the geometry of a solved time without motion, with parts that have been built before. `None` if it was cancelled.
@@ -177,15 +189,11 @@ pub(in crate::pipeline) fn geometry_keeping(
     kept: &KeptParts,
     is_cancelled: &IsCancelled,
 ) -> Option<Geometry> {
-    built(prepared, (now, None), None, (kept, is_cancelled))
+    built(prepared, GeometryInputs { now, around: None, split_for: None, kept }, is_cancelled)
 }
 
-fn built(
-    prepared: &PreparedShot,
-    (now, split_for): (&TimeSample, Option<&[PartWarp]>),
-    around: Option<[&TimeSample; 2]>,
-    (kept, is_cancelled): (&KeptParts, &IsCancelled),
-) -> Option<Geometry> {
+fn built(prepared: &PreparedShot, inputs: GeometryInputs, is_cancelled: &IsCancelled) -> Option<Geometry> {
+    let GeometryInputs { now, around, split_for, kept } = inputs;
     let warps = now.warps(&prepared.assignment, |_| true);
     let around_warps = around.map(|samples| samples.map(|sample| sample.warps(&prepared.assignment, |_| true)));
     let neighbours = around

@@ -56,13 +56,22 @@ pub(in crate::pipeline) fn draw_tiles(
     Ok(whole)
 }
 
+/// The frames that a render draws.
+#[derive(Clone, Copy)]
+pub(in crate::pipeline) struct FramesToDraw<'a> {
+    pub(in crate::pipeline) frames: &'a [i32],
+    /// Whether pictures of the lattices are wanted, and where the render waits.
+    pub(in crate::pipeline) options: &'a RenderOptions,
+    /// Ends the render.
+    pub(in crate::pipeline) cancel: &'a AtomicBool,
+}
+
 /// Draws frames, the geometry of the next one being built meanwhile, until the render is cancelled or the receiver is gone. Returns the
 /// milliseconds for which the raster was busy.
 pub(in crate::pipeline) fn draw_frames(
     device: &mut dyn Raster,
     prepared: &PreparedShot,
-    (frames, options): (&[i32], &RenderOptions),
-    cancel: &AtomicBool,
+    FramesToDraw { frames, options, cancel }: FramesToDraw,
     drawn: SyncSender<Drawn>,
 ) -> f64 {
     let tiles = tiles(prepared.shot.size.window(), device.max_side());
@@ -106,7 +115,8 @@ pub(in crate::pipeline) fn draw_frame(
     frame: i32,
 ) -> Result<Frame, PipelineError> {
     let (drawn, drawns) = sync_channel(1);
-    draw_frames(device, prepared, (&[frame], &RenderOptions::default()), &AtomicBool::new(false), drawn);
+    let (options, cancel) = (&RenderOptions::default(), &AtomicBool::new(false));
+    draw_frames(device, prepared, FramesToDraw { frames: &[frame], options, cancel }, drawn);
     match drawns.recv() {
         Ok(Drawn::Frame(frame, _)) => Ok(*frame),
         Ok(Drawn::Failed(_, error)) => Err(error),

@@ -112,8 +112,8 @@ impl Picture {
                     SolvedLattice::Screen(lattice) | SolvedLattice::Branches(lattice, _) => Some(lattice),
                     SolvedLattice::World(_) => None,
                 };
-                if let (Some(lattice), Some(radius)) = (lattice, pin.radius) {
-                    self.draw_region(&mut canvas, lattice, (pin.state.rest, radius), unit_px);
+                if let Some(lattice) = lattice {
+                    self.draw_region(&mut canvas, lattice, pin, unit_px);
                 }
                 self.draw_pin(&mut canvas, (&pin.state, &pin.name), unit_px);
             }
@@ -223,14 +223,10 @@ impl Picture {
         }
     }
 
-    /// Draws the rim of a pin's region, warped by the lattice.
-    fn draw_region(
-        &self,
-        canvas: &mut Canvas,
-        lattice: &ScreenLattice,
-        (rest, radius): (ScreenPoint, f64),
-        unit_px: f64,
-    ) {
+    /// Draws the rim of a pin's region, if it has one, warped by the lattice.
+    fn draw_region(&self, canvas: &mut Canvas, lattice: &ScreenLattice, pin: &PinPicture, unit_px: f64) {
+        let Some(radius) = pin.radius else { return };
+        let rest = pin.state.rest;
         let count = 8 * PIECES;
         let rim = |k: usize| {
             let turn = k as f64 / count as f64 * std::f64::consts::TAU;

@@ -45,8 +45,7 @@ pub(super) fn report_of_layers(
         let Some(solve) = state.report().cloned() else { continue };
         report.warnings.extend(warnings_of_layer(prepared, index, sample));
         report.warnings.extend(fold_warning(layer, &solve, branching_remedy(&prepared.shot, layer)));
-        let anchors = prepared.anchors_of(index);
-        let told = shared_cells::warning((&prepared.shot, layer, anchors), state, &solve, height_px);
+        let told = shared_cells::warning(prepared, index, state, &solve, height_px);
         report.warnings.extend(told);
         match note_at(prepared, index, frame) {
             Some(TimedNote::Spread(spread)) => {

@@ -6,7 +6,7 @@ use crate::lattice::{Grid, MAX_HANDLES, MAX_HANDLES_IN_ALL};
 use crate::pipeline::evaluate::part_triangle_ranges::held_triangle;
 use crate::pipeline::evaluate::topology::branching_remedy;
 use crate::pipeline::prepare::auto_dims::SCENE_HANDLES;
-use crate::pipeline::{LayerState, PinAnchor, PinState};
+use crate::pipeline::{LayerState, PinAnchor, PinState, PreparedShot};
 use crate::shot::{Layer, LayerSpace, Shot, Source};
 use crate::solve::{BranchedLattice, SolveReport};
 
@@ -39,11 +39,14 @@ struct Pair<'a> {
 /// Returns a warning for the worst pair of pins of a screen layer that share cells and are moved apart; on branching lattices,
 /// cells of parts that share copies of handles. Pairs reported as contradictions are left out.
 pub(in crate::pipeline) fn warning(
-    (shot, layer, anchors): (&Shot, &Layer, &[PinAnchor]),
+    prepared: &PreparedShot,
+    index: usize,
     state: &LayerState,
     solve: &SolveReport,
     height_px: f64,
 ) -> Option<String> {
+    let (shot, anchors) = (&prepared.shot, prepared.anchors_of(index));
+    let layer = &shot.layers[index];
     let LayerSpace::Screen { dims, .. } = layer.space else { return None };
     let grid = &state.solution.as_ref()?.lattice.grid;
     let branches = state.solution.as_ref().and_then(|solution| solution.branches.as_ref());

@@ -5,13 +5,14 @@
 use super::Gallery;
 use super::paint::Painter;
 use crate::image::Frame;
+use crate::pipeline::draw::FramesToDraw;
 use crate::pipeline::draw::geometry_thread::facts;
 use crate::pipeline::draw::passes::{PassPlan, mid_shutter, plan_passes};
 use crate::pipeline::run::write::Drawn;
-use crate::pipeline::{JerkMeter, PipelineError, PreparedShot, RenderOptions, TimeSample};
+use crate::pipeline::{JerkMeter, PipelineError, PreparedShot, TimeSample};
 use crate::raster::{ChannelGroup, PassRole};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::SyncSender;
 use std::time::Instant;
 
@@ -19,8 +20,7 @@ use std::time::Instant;
 pub(in crate::pipeline) fn paint_frames(
     gallery: &Gallery,
     prepared: &PreparedShot,
-    (frames, options): (&[i32], &RenderOptions),
-    cancel: &AtomicBool,
+    FramesToDraw { frames, options, cancel }: FramesToDraw,
     drawn: SyncSender<Drawn>,
 ) -> f64 {
     let painter = Painter::new(gallery, prepared);

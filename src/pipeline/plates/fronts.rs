@@ -9,7 +9,7 @@ use crate::image::cryptomatte::MatteId;
 use crate::pipeline::draw::geometry_thread::geometry_of;
 use crate::pipeline::draw::{draw_tiles, tiles};
 use crate::pipeline::evaluate::camera_cuts::exposure_time;
-use crate::pipeline::{PassPlan, PipelineError, PreparedShot, plan_passes};
+use crate::pipeline::{PipelineError, PreparedShot, plan_passes};
 use crate::plate::{Coverage, Front, SurfacePicture};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Draw, Geometry, MATTE_LAYERS, Pass, Raster, Target};
 use crate::shot::LayerSpace;
@@ -107,30 +107,31 @@ impl<'a> Fronts<'a> {
     /// Draws the warped scene with the shot's samples and shutter, and returns how much of every pixel shows each group:
     /// behind the rest of the scene, or without it.
     fn coverages(&mut self, frame: i32, place: FrameWindow, has_rest: bool) -> Result<Vec<Vec<f32>>, PipelineError> {
-        let shot = &self.prepared.shot;
-        let plan = plan_passes(shot.samples, shot.shutter);
         let mut device = match self.device.take() {
             Some(device) => device,
             None => raster::open(&DeviceChoice::Cpu, &self.prepared.scene)?.0,
         };
         let tiles = tiles(place.window, device.max_side());
         let drawn = draw_tiles(place, &tiles, |window| {
-            self.tile(frame, FrameWindow { window, ..place }, (&plan, has_rest), device.as_mut())
+            self.tile(frame, FrameWindow { window, ..place }, has_rest, device.as_mut())
         });
         self.device = Some(device);
         let drawn = drawn?;
         Ok(self.groups.iter().map(|group| coverage_of_id(&drawn, group.id())).collect())
     }
 
+    /// Draws a tile of [`Self::coverages`].
     fn tile(
         &self,
         frame: i32,
         FrameWindow { frame: size, window }: FrameWindow,
-        (plan, has_rest): (&[PassPlan], bool),
+        has_rest: bool,
         device: &mut dyn Raster,
     ) -> Result<Frame, PipelineError> {
+        let shot = &self.prepared.shot;
         let channels = vec![ChannelGroup::Cryptomatte];
-        device.start(&Target { frame: size, window, channels, beauty_passes: self.prepared.shot.samples.max(1) })?;
+        device.start(&Target { frame: size, window, channels, beauty_passes: shot.samples.max(1) })?;
+        let plan = plan_passes(shot.samples, shot.shutter);
         for same_time in plan.chunk_by(|a, b| a.time_frames == b.time_frames) {
             let time = exposure_time(self.prepared, frame, f64::from(frame) + same_time[0].time_frames);
             let mut geometry = geometry_of(self.prepared, &*self.prepared.sample_at(time)?, None);

@@ -74,7 +74,7 @@ impl Plan {
         let sources = Sources { plate: &plate, clean: clean.as_ref(), maps: maps.as_ref() };
         headers::check_there(&sources, &wanted)?;
         let digests = digests(job, &layers, [Some(&plate), clean.as_ref(), maps.as_ref()]);
-        let todo = todo(job, (wanted, &plate, &output), (&digests, device));
+        let todo = KeptFrames { plate: &plate, output: &output, digests: &digests, device }.todo(wanted, job.existing);
         notes.extend(headers::check(job, &sources, &layers, &todo.frames)?);
         notes.extend(todo.notes());
         let todo = todo.begin(&output)?;
@@ -88,22 +88,28 @@ fn digests(job: &WarpJob, layers: &[usize], sequences: [Option<&SequencePath>; 3
     FrameDigests::new(hash(job, layers), &shared, sequences.into_iter().flatten())
 }
 
-/// Returns the frames to warp. A kept frame must have the size of its plate.
-fn todo(
-    job: &WarpJob,
-    (wanted, plate, output): (Vec<i32>, &SequencePath, &SequencePath),
-    (digests, device): (&FrameDigests, &str),
-) -> Todo {
-    let depth = if job.existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
-    Todo::of(wanted, output, job.existing, |frame| {
-        let path = output.path_of(frame);
-        if !is_there(&path) {
-            return Err(StaleReason::Missing);
-        }
-        let size = picture_size(&plate.path_of(frame)).ok();
-        let expected = Expected { frame, shot_hash: &digests.of(frame), size, device };
-        check_kept(&path, &expected, depth)
-    })
+/// What a frame that is kept has to agree with.
+struct KeptFrames<'a> {
+    plate: &'a SequencePath,
+    output: &'a SequencePath,
+    digests: &'a FrameDigests,
+    device: &'a str,
+}
+
+impl KeptFrames<'_> {
+    /// Returns the frames to warp. A kept frame must have the size of its plate.
+    fn todo(&self, wanted: Vec<i32>, existing: Existing) -> Todo {
+        let depth = if existing == Existing::Verify { Depth::Pixels } else { Depth::Head };
+        Todo::of(wanted, self.output, existing, |frame| {
+            let path = self.output.path_of(frame);
+            if !is_there(&path) {
+                return Err(StaleReason::Missing);
+            }
+            let size = picture_size(&self.plate.path_of(frame)).ok();
+            let expected = Expected { frame, shot_hash: &self.digests.of(frame), size, device: self.device };
+            check_kept(&path, &expected, depth)
+        })
+    }
 }
 
 /// Checks that the plate is a picture file and that the output format can hold its channels.

@@ -4,7 +4,7 @@
 
 use super::at_rest::SceneAtRest;
 use crate::image::{Frame, SequencePath, read_any};
-use crate::pipeline::{Exposure, PipelineError, PreparedShot, fields_of};
+use crate::pipeline::{BranchView, Exposure, PipelineError, PreparedShot, SampleInMotion, fields_of};
 use crate::plate::{Coverage, SharedParts, color_layers};
 use crate::raster::{ChannelGroup, DeviceChoice};
 use crate::space::FrameSize;
@@ -60,7 +60,8 @@ impl<'a> Silhouette<'a> {
     ) -> Result<Option<SharedParts>, PipelineError> {
         let Some(index) = self.prepared.shot.layer_index(layer) else { return Ok(None) };
         let sample = self.prepared.sample_at(f64::from(frame))?;
-        let parts = self.prepared.branch_parts(index, (&sample, None), (size, Exposure::Instant));
+        let view = BranchView { size, exposure: Exposure::Instant };
+        let parts = self.prepared.branch_parts(index, SampleInMotion { now: &sample, around: None }, view);
         Ok(parts.and_then(fields_of))
     }
 

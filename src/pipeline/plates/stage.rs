@@ -16,7 +16,8 @@ use crate::image::Plate;
 use crate::pipeline::draw::overlaps::crossing_note;
 use crate::pipeline::evaluate::time_sample::ScreenWarp;
 use crate::pipeline::{
-    BranchPart, Exposure, LayerNote, PipelineError, lattices_of_file, parts_of_file, warnings_of_layer,
+    BranchPart, BranchView, Exposure, LayerNote, PipelineError, SampleInMotion, lattices_of_file, parts_of_file,
+    warnings_of_layer,
 };
 use crate::plate::{
     Field, Holes, LayerJob, Matte, PlateJob, PlateReport, WarpSettings, Warper, check_fill, has_motion, map_of_stmap,
@@ -260,7 +261,8 @@ impl<'a> Stage<'a> {
             None => None,
         };
         let around = around.as_ref().map(|around| around.each_ref().map(|sample| &**sample));
-        Ok(prepared.branch_parts(moved.layer, (&now, around), (size, Exposure::Shutter)))
+        let view = BranchView { size, exposure: Exposure::Shutter };
+        Ok(prepared.branch_parts(moved.layer, SampleInMotion { now: &now, around }, view))
     }
 
     /// Creates one job per part of a layer, from back to front.

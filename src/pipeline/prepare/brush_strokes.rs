@@ -72,6 +72,15 @@ impl StrokeCache {
     }
 }
 
+/// The parts of a layer at rest.
+#[derive(Clone, Copy)]
+pub(in crate::pipeline) struct RestParts<'a> {
+    pub(in crate::pipeline) scene: &'a Scene,
+    pub(in crate::pipeline) rest: &'a Pose,
+    /// Indices into the parts of the pose.
+    pub(in crate::pipeline) parts: &'a [usize],
+}
+
 /// The strokes of a layer.
 pub(in crate::pipeline) struct Strokes<'a> {
     layer: usize,
@@ -103,18 +112,17 @@ impl<'a> Strokes<'a> {
         Ok(Self { layer, strokes: strokes.collect::<Result<_, _>>()? })
     }
 
-    /// Multiplies the stiffness of the triangles of `parts` that the strokes cover. Returns a note if strokes cover none.
+    /// Multiplies the stiffness of the triangles that the strokes cover. Returns a note if strokes cover none.
     pub(in crate::pipeline) fn paint(
         &self,
-        (scene, rest): (&Scene, &Pose),
-        parts: &[usize],
+        on: RestParts,
         cache: &StrokeCache,
         painted: &mut BTreeMap<usize, Vec<f64>>,
     ) -> Option<String> {
         let mut log_stiffness: BTreeMap<(usize, usize), f64> = BTreeMap::new();
         let mut unmet = 0;
         for stroke in &self.strokes {
-            let compute = || stroke.coverage((scene, rest), parts);
+            let compute = || stroke.coverage(on);
             let coverage = cache.coverage(self.layer, stroke.stroke, compute);
             unmet += usize::from(coverage.is_empty());
             for &(part, triangle, share) in coverage.iter() {
@@ -124,7 +132,7 @@ impl<'a> Strokes<'a> {
         }
         for ((part, triangle), value) in log_stiffness.into_iter().filter(|(_, value)| *value != 0.0) {
             let stiffness = painted.entry(part).or_default();
-            stiffness.resize(primitive(scene, &rest.parts[part]).triangles.len(), 1.0);
+            stiffness.resize(primitive(on.scene, &on.rest.parts[part]).triangles.len(), 1.0);
             stiffness[triangle] *= value.exp();
         }
         (unmet > 0).then(|| {
@@ -140,7 +148,7 @@ impl Stroke<'_> {
     }
 
     /// Returns what the stroke covers of some parts.
-    fn coverage(&self, (scene, rest): (&Scene, &Pose), parts: &[usize]) -> PaintedTriangles {
+    fn coverage(&self, RestParts { scene, rest, parts }: RestParts) -> PaintedTriangles {
         let line: Vec<DVec3> = self.stroke.points.iter().map(|&point| DVec3::from(point)).collect();
         let low = line.iter().copied().fold(DVec3::INFINITY, DVec3::min) - self.stroke.radius;
         let high = line.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + self.stroke.radius;

@@ -2,10 +2,12 @@
 //!
 //! In: a prepared shot and its first pose. Out: notes.
 
+use super::selection::LayerShare;
 use crate::lattice::{BoxFrame, Grid};
 use crate::pipeline::PreparedShot;
 use crate::pipeline::evaluate::lattice_box::world_grid;
 use crate::pose::{Pose, PosedPart};
+use crate::scene::Primitive;
 use crate::screen::primitive;
 
 /// Length of an edge, in cells, above which the mesh is reported.
@@ -17,8 +19,11 @@ pub(in crate::pipeline) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) 
     let note = |index: usize| {
         let (placed, grid) = world_grid(prepared, index, frame, first)?;
         let parts = prepared.assignment.parts_of_layer[index].iter();
-        let longest =
-            parts.map(|&part| (longest_edge(prepared, (index, part), &first.parts[part], (&placed, &grid)), part));
+        let longest = parts.map(|&part| {
+            let source = primitive(&prepared.scene, &first.parts[part]);
+            let share = prepared.assignment.share(index, part);
+            (longest_edge(source, &share, &first.parts[part], &placed, &grid), part)
+        });
         let (cells, part) = longest.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let layer = &prepared.shot.layers[index].name;
         let node = &prepared.scene.nodes[first.parts[part].node].name;
@@ -32,20 +37,13 @@ pub(in crate::pipeline) fn coarse_meshes(prepared: &PreparedShot, first: &Pose) 
     (0..prepared.shot.layers.len()).filter_map(note).collect()
 }
 
-/// Returns the length of a part's longest edge, in cells of a grid.
-fn longest_edge(
-    prepared: &PreparedShot,
-    (layer, index): (usize, usize),
-    part: &PosedPart,
-    (frame, grid): (&BoxFrame, &Grid<3>),
-) -> f64 {
+/// Returns the length of the longest edge of a layer's share of a part, in cells of a grid.
+fn longest_edge(source: &Primitive, share: &LayerShare, part: &PosedPart, frame: &BoxFrame, grid: &Grid<3>) -> f64 {
     let cells = |from: u32, to: u32| {
         let [from, to] = [from, to].map(|corner| part.positions[corner as usize].0.as_dvec3());
         let edge = frame.axes().transpose() * (to - from);
         (0..3).map(|axis| edge[axis].abs() / grid.spacing(axis)).fold(0.0, f64::max)
     };
-    let source = primitive(&prepared.scene, part);
-    let share = prepared.assignment.share(layer, index);
     let own = source.triangles.iter().filter(|corners| share.meets(corners));
     let edges = own.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
     edges.chain(source.segments()).map(|[from, to]| cells(from, to)).fold(0.0, f64::max)

@@ -8,13 +8,13 @@ use super::picture_cuts::{PictureCuts, fault};
 use super::picture_parts::parts_of_triangles;
 use super::rest_mesh::{RestMesh, rest_pose};
 use super::screen_cut::ScreenCut;
-use super::selection::cut_off;
+use super::selection::{Patterns, ShotParts, cut_off};
 use crate::image::{CHOSEN, OTHER};
 use crate::pipeline::PipelineError;
-use crate::pose::Pose;
+use crate::pose::{Pose, PosedPart};
 use crate::scene::Scene;
 use crate::screen::{Camera, primitive};
-use crate::shot::{Cut, CutSurface, Join, Layer, Selection, Shot, Source};
+use crate::shot::{Cut, CutSurface, Join, Layer, Shot, Source};
 use crate::solve::{Link, LinkEnd, LinkKind, Topology, islands_of, link_at, nearest_link, solid_links, surface_links};
 use crate::spelling::{self, pluralised};
 use glam::DVec3;
@@ -229,7 +229,7 @@ impl LayerLinks<'_> {
                 }
                 Cut::Part { nodes, selection, surface } => {
                     let (parts, hint) = match self.shot.source {
-                        Source::Scene(_) => (self.named(number, (nodes, selection))?, NAMED_HINT),
+                        Source::Scene(_) => (self.named(number, Patterns { nodes, rules: selection })?, NAMED_HINT),
                         Source::Images(_) | Source::Frame => (self.parts_of_picture(number), PAINTED_HINT),
                     };
                     by_pitch.iter_mut().for_each(|(_, links)| self.cut_apart(&parts, *surface, links));
@@ -263,9 +263,10 @@ impl LayerLinks<'_> {
     }
 
     /// Returns [`CHOSEN`] for the triangles of the part of a scene that a cut names.
-    fn named(&self, number: usize, rules: (&[String], &Selection)) -> Result<Vec<u32>, PipelineError> {
-        let parts = (self.rest.parts.as_slice(), self.parts);
-        let is_in = cut_off((self.shot, self.scene), [self.index, number], rules, parts)?;
+    fn named(&self, number: usize, patterns: Patterns) -> Result<Vec<u32>, PipelineError> {
+        let parts: Vec<PosedPart> = self.parts.iter().map(|&part| self.rest.parts[part].clone()).collect();
+        let own = ShotParts { shot: self.shot, scene: self.scene, parts: &parts };
+        let is_in = cut_off(own, [self.index, number], patterns)?;
         Ok(is_in.into_iter().map(|is_in| if is_in { CHOSEN } else { OTHER }).collect())
     }
 

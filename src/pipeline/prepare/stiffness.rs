@@ -2,7 +2,7 @@
 //!
 //! In: a shot, its scene, and the parts of each layer. Out: the stiffness of the triangles of every part, and notes.
 
-use super::brush_strokes::Strokes;
+use super::brush_strokes::{RestParts, Strokes};
 use super::rest_mesh::rest_pose;
 use super::selection::LayerShare;
 use crate::pipeline::PipelineError;
@@ -95,7 +95,8 @@ pub(in crate::pipeline) fn paint(
         }
         if !layer.strokes.is_empty() {
             let strokes = Strokes::of(shot, index, scene)?;
-            let unmet = strokes.paint((scene, rest), &parts_of_layer[index], &cache.strokes, &mut own);
+            let unmet =
+                strokes.paint(RestParts { scene, rest, parts: &parts_of_layer[index] }, &cache.strokes, &mut own);
             found.notes.extend(unmet.map(|unmet| format!("layer '{}': {unmet}", layer.name)));
         }
         found.painted.push(own);

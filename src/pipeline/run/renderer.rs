@@ -3,11 +3,10 @@
 //! In: frame numbers. Out: [`Drawn`] frames.
 
 use super::write::Drawn;
-use crate::pipeline::draw::draw_frames;
+use crate::pipeline::PreparedShot;
+use crate::pipeline::draw::{FramesToDraw, draw_frames};
 use crate::pipeline::pictures::{Gallery, left_out_channels, paint_frames};
-use crate::pipeline::{PreparedShot, RenderOptions};
 use crate::raster::{DeviceClass, Raster};
-use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::SyncSender;
 
 /// What draws the frames of a render.
@@ -46,15 +45,13 @@ impl Renderer<'_> {
     /// Draws frames until the render is cancelled or the receiver is gone. Returns the milliseconds spent drawing.
     pub(in crate::pipeline) fn draw(
         self,
-        (prepared, options): (&PreparedShot, &RenderOptions),
-        frames: &[i32],
-        cancel: &AtomicBool,
+        prepared: &PreparedShot,
+        frames: FramesToDraw,
         drawn: SyncSender<Drawn>,
     ) -> f64 {
-        let frames = (frames, options);
         match self {
-            Self::Scene(device) => draw_frames(device, prepared, frames, cancel, drawn),
-            Self::Pictures(gallery) => paint_frames(gallery, prepared, frames, cancel, drawn),
+            Self::Scene(device) => draw_frames(device, prepared, frames, drawn),
+            Self::Pictures(gallery) => paint_frames(gallery, prepared, frames, drawn),
         }
     }
 }

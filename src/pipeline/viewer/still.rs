@@ -26,6 +26,17 @@ use std::path::PathBuf;
 /// A device that draws frames and can be sent between threads.
 pub(crate) type Device = dyn Raster + Send + 'static;
 
+/// What a draft shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Draft<'a> {
+    /// The solved time.
+    pub(crate) sample: &'a TimeSample,
+    /// Parts that have been built for this time before.
+    pub(crate) kept: &'a KeptParts,
+    /// Size of the picture.
+    pub(crate) size: FrameSize,
+}
+
 impl PreparedShot {
     /// Returns the solved sample shown by a frame, without waiting for trajectories. Layers whose trajectory is not
     /// solved yet are solved for this frame alone, so the sample is provisional.
@@ -130,15 +141,14 @@ impl PreparedShot {
         KeptParts::new(is_kept)
     }
 
-    /// Draws a solved time with one sample per pixel; `None` if it was cancelled. `kept`: parts that have been built for this time before.
+    /// Draws a solved time with one sample per pixel; `None` if it was cancelled.
     ///
     /// # Errors
     /// [`PipelineError`] if drawing fails.
     pub(crate) fn draft(
         &self,
         device: Option<&mut Device>,
-        (sample, kept): (&TimeSample, &KeptParts),
-        size: FrameSize,
+        Draft { sample, kept, size }: Draft,
         is_cancelled: &IsCancelled,
     ) -> Result<Option<Frame>, PipelineError> {
         let drawn = match (device, &self.shot.source) {

@@ -119,6 +119,7 @@ fn composite_by_depth(canvas: &mut Frame, picture: &Frame) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::Draft;
     use crate::raster::geometry::KeptParts;
     use crate::raster::{DeviceChoice, open};
     use crate::shot::Shot;
@@ -144,8 +145,10 @@ mod tests {
         let still = prepared.warped_still(&mut *device, (&mut sample, &[0, 1]), size).expect("drawn").expect("flat");
         let warped = still.warped(&sample).expect("plain");
         let kept = KeptParts::default();
-        let drawn =
-            prepared.draft(Some(&mut *device), (&sample, &kept), size, &|| false).expect("drawn").expect("wanted");
+        let drawn = prepared
+            .draft(Some(&mut *device), Draft { sample: &sample, kept: &kept, size }, &|| false)
+            .expect("drawn")
+            .expect("wanted");
         let mut resting = sample.clone();
         resting.layers[0] = LayerState::default();
         let rest = still.warped(&resting).expect("plain");

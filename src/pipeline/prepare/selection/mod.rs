@@ -13,6 +13,7 @@ mod shared_part;
 
 pub(in crate::pipeline) use precedence::PartLayers;
 pub(in crate::pipeline) use rules::material_name;
+pub(crate) use rules::{Patterns, ShotParts};
 pub(crate) use shared_part::LayerShare;
 pub(crate) use shared_part::SharedPart;
 
@@ -20,7 +21,7 @@ use crate::pipeline::PipelineError;
 use crate::pose::PosedPart;
 use crate::scene::Scene;
 use crate::screen::primitive;
-use crate::shot::{Selection, Shot};
+use crate::shot::Shot;
 use coverage::PartCoverage;
 use rules::{RuleKeys, Rules};
 use std::cmp::Reverse;
@@ -63,17 +64,12 @@ pub(crate) fn select(shot: &Shot, scene: &Scene, parts: &[PosedPart]) -> Result<
 
 /// Returns which triangles of a layer's parts a cut selects: those whose corners are mostly selected. Triangles are
 /// numbered consecutively over all parts. `keys`: index of the layer, number of the cut.
-pub(crate) fn cut_off(
-    (shot, scene): (&Shot, &Scene),
-    keys: [usize; 2],
-    (nodes, selection): (&[String], &Selection),
-    (posed, parts): (&[PosedPart], &[usize]),
-) -> Result<Vec<bool>, PipelineError> {
+pub(crate) fn cut_off(own: ShotParts, keys: [usize; 2], patterns: Patterns) -> Result<Vec<bool>, PipelineError> {
+    let ShotParts { scene, parts, .. } = own;
     let [layer, number] = keys;
     let key = format!("lattice.cuts[{number}]");
     let keys = RuleKeys { layer, nodes: format!("{key}.nodes"), select: key };
-    let own: Vec<PosedPart> = parts.iter().map(|&part| posed[part].clone()).collect();
-    let rules = Rules::find((nodes, selection), keys, (shot, scene, &own))?;
+    let rules = Rules::find(patterns, keys, own)?;
     let of_part = |part: &PosedPart| {
         let is_named = |&triangle: &[u32; 3]| {
             let shares = triangle.map(|corner| rules.share(scene, part, corner as usize));
@@ -81,7 +77,7 @@ pub(crate) fn cut_off(
         };
         primitive(scene, part).triangles.iter().map(is_named).collect::<Vec<_>>()
     };
-    Ok(own.iter().flat_map(of_part).collect())
+    Ok(parts.iter().flat_map(of_part).collect())
 }
 
 impl PartLayers {

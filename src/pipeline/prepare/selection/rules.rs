@@ -11,6 +11,22 @@ use crate::shot::{ColorChannel, PaintedMask, Selection, Shot};
 use crate::spelling;
 use std::collections::BTreeSet;
 
+/// A selection as a shot has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patterns<'a> {
+    /// Patterns of names of nodes.
+    pub(crate) nodes: &'a [String],
+    pub(crate) rules: &'a Selection,
+}
+
+/// The parts from which a selection chooses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShotParts<'a> {
+    pub(crate) shot: &'a Shot,
+    pub(crate) scene: &'a Scene,
+    pub(crate) parts: &'a [PosedPart],
+}
+
 /// A layer's selection, resolved to indices.
 #[derive(Debug)]
 pub(super) struct Rules {
@@ -30,14 +46,15 @@ impl Rules {
     pub(super) fn of(shot: &Shot, index: usize, scene: &Scene, parts: &[PosedPart]) -> Result<Self, PipelineError> {
         let layer = &shot.layers[index];
         let keys = RuleKeys { layer: index, nodes: "nodes".to_owned(), select: "select".to_owned() };
-        Self::find((&layer.nodes, &layer.selection), keys, (shot, scene, parts))
+        let patterns = Patterns { nodes: &layer.nodes, rules: &layer.selection };
+        Self::find(patterns, keys, ShotParts { shot, scene, parts })
     }
 
     /// Resolves node patterns and rules; `keys`: their keys in the shot, for errors.
     pub(super) fn find(
-        (nodes, rule): (&[String], &Selection),
+        Patterns { nodes, rules: rule }: Patterns,
         keys: RuleKeys,
-        (shot, scene, parts): (&Shot, &Scene, &[PosedPart]),
+        ShotParts { shot, scene, parts }: ShotParts,
     ) -> Result<Self, PipelineError> {
         let search = Search { shot, keys, scene, nodes: BTreeSet::new(), parts };
         let nodes = search.nodes(nodes)?;
