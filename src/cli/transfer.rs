@@ -26,7 +26,7 @@ pub(super) fn run(args: &TransferArgs) -> anyhow::Result<Outcome> {
     let fit = fit(args)?;
     let shot = match target(&args.onto)? {
         FileKind::Shot => onto_shot(args, &lattices, &fit)?,
-        target => onto_file(args, (&lattices, &fit), target)?,
+        target => NewShot { args, lattices: &lattices, fit: &fit, target }.write()?,
     };
     render::draw(shot, &args.draw, args.landmarks.iter().map(PathBuf::from).collect())
 }
@@ -129,80 +129,89 @@ fn onto_shot(args: &TransferArgs, file: &LatticeFile, fit: &TransferFit) -> anyh
     Ok(shot)
 }
 
-/// Applies the lattices to a picture or a scene, writing a shot for it.
-fn onto_file(args: &TransferArgs, (file, fit): (&LatticeFile, &TransferFit), target: FileKind) -> anyhow::Result<Shot> {
-    let track = track(args, file, None)?;
-    let path = shot_path(args, target)?;
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    }
-    let text = text(args, (file, track, fit), (&path, target))?;
-    let shot = Shot::parse(&text, &path)?;
-    if args.shot.is_some() || target == FileKind::Scene {
-        write_shot(args, (&path, &text), target)?;
-    }
-    Ok(shot)
+/// A shot for a picture or a scene to which lattices are applied.
+struct NewShot<'a> {
+    args: &'a TransferArgs,
+    lattices: &'a LatticeFile,
+    fit: &'a TransferFit,
+    target: FileKind,
 }
 
-/// Writes the shot for a picture or a scene, unless the file already holds it; fails if another file may not be replaced.
-fn write_shot(args: &TransferArgs, (path, text): (&Path, &str), target: FileKind) -> anyhow::Result<()> {
-    let mut inputs = outputs::inputs_of([&args.lattice, &args.onto]);
-    args.landmarks.iter().for_each(|landmarks| inputs.add(Path::new(landmarks)));
-    if target == FileKind::Scene {
-        scene::load(&args.onto)?.files_beside.iter().for_each(|file| inputs.add(file));
-    }
-    outputs::allow_text(&inputs, (path, text), args.draw.existing)?;
-    if !outputs::holds_text(path, text) {
-        replace_text(path, text)?;
-        writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
-    }
-    Ok(())
-}
-
-/// Returns the path of the shot, whether it exists or not.
-fn shot_path(args: &TransferArgs, target: FileKind) -> anyhow::Result<PathBuf> {
-    let own = args.onto.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(match (&args.shot, &args.draw.output, target) {
-        (Some(path), ..) => path.clone(),
-        (None, Some(output), FileKind::Scene) => {
-            let stem = SequencePath::parse(output)?.stem();
-            output.with_file_name(format!("{}.toml", if stem.is_empty() { own } else { stem }))
+impl NewShot<'_> {
+    /// Makes the shot, and writes its file where one is wanted.
+    fn write(&self) -> anyhow::Result<Shot> {
+        let track = track(self.args, self.lattices, None)?;
+        let path = self.path()?;
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
-        _ => PathBuf::from(format!("{own}.toml")),
-    })
-}
+        let text = self.text(track, &path)?;
+        let shot = Shot::parse(&text, &path)?;
+        if self.args.shot.is_some() || self.target == FileKind::Scene {
+            self.write_text(&path, &text)?;
+        }
+        Ok(shot)
+    }
 
-/// Returns the text of a shot with one layer.
-fn text(
-    args: &TransferArgs,
-    (file, track, fit): (&LatticeFile, &LatticeTrack, &TransferFit),
-    (path, target): (&Path, FileKind),
-) -> anyhow::Result<String> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let from_here = |file: &Path| Ok::<_, anyhow::Error>(quoted(outputs::as_text(&path_between(folder, file)?)?));
-    let frames = match &track.track {
-        Track::Screen(lattices) => [lattices.keys().next(), lattices.keys().next_back()].map(|frame| frame.copied()),
-        Track::World(_) => [None; 2],
-    };
-    let [first, last] = frames.map(Option::unwrap_or_default);
-    let (key, size) = match target {
-        FileKind::Picture(_) => ("image", String::new()),
-        _ => ("scene", format!("size    = [{}, {LINES}]\n", (file.frame_aspect * LINES).round())),
-    };
-    let topology = if track.branches.is_empty() { "" } else { "lattice  = { topology = \"branching\" }\n" };
-    let channels = if key == "image" { "channels = [\"beauty\", \"id\"]\n" } else { "" };
-    Ok(format!(
-        "# Lattices of another shot, laid over {what}.\nversion = 1\n{key}   = {what}\n\
-         frames  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n{size}\n\
-         [[layer]]\nname     = {name}\nstrength = {strength:?}\n\
-         transfer = {{ lattice = {lattice}, layer = {name}, fit = {fit} }}\n{topology}\n[output]\n{channels}",
-        what = from_here(&args.onto)?,
-        rate = file.rate,
-        name = quoted(&track.name),
-        strength = args.strength,
-        lattice = from_here(&args.lattice)?,
-        fit = fit_text(fit),
-    ))
+    /// Writes the file, unless it already holds the text; fails if another file may not be replaced.
+    fn write_text(&self, path: &Path, text: &str) -> anyhow::Result<()> {
+        let args = self.args;
+        let mut inputs = outputs::inputs_of([&args.lattice, &args.onto]);
+        args.landmarks.iter().for_each(|landmarks| inputs.add(Path::new(landmarks)));
+        if self.target == FileKind::Scene {
+            scene::load(&args.onto)?.files_beside.iter().for_each(|file| inputs.add(file));
+        }
+        outputs::allow_text(&inputs, (path, text), args.draw.existing)?;
+        if !outputs::holds_text(path, text) {
+            replace_text(path, text)?;
+            writeln!(std::io::stderr(), "note: wrote {}", path.display())?;
+        }
+        Ok(())
+    }
+
+    /// Returns the path of the shot, whether it exists or not.
+    fn path(&self) -> anyhow::Result<PathBuf> {
+        let own = self.args.onto.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(match (&self.args.shot, &self.args.draw.output, self.target) {
+            (Some(path), ..) => path.clone(),
+            (None, Some(output), FileKind::Scene) => {
+                let stem = SequencePath::parse(output)?.stem();
+                output.with_file_name(format!("{}.toml", if stem.is_empty() { own } else { stem }))
+            }
+            _ => PathBuf::from(format!("{own}.toml")),
+        })
+    }
+
+    /// Returns the text of the shot, which has one layer.
+    fn text(&self, track: &LatticeTrack, path: &Path) -> anyhow::Result<String> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let from_here = |file: &Path| Ok::<_, anyhow::Error>(quoted(outputs::as_text(&path_between(folder, file)?)?));
+        let frames = match &track.track {
+            Track::Screen(lattices) => {
+                [lattices.keys().next(), lattices.keys().next_back()].map(|frame| frame.copied())
+            }
+            Track::World(_) => [None; 2],
+        };
+        let [first, last] = frames.map(Option::unwrap_or_default);
+        let (key, size) = match self.target {
+            FileKind::Picture(_) => ("image", String::new()),
+            _ => ("scene", format!("size    = [{}, {LINES}]\n", (self.lattices.frame_aspect * LINES).round())),
+        };
+        let topology = if track.branches.is_empty() { "" } else { "lattice  = { topology = \"branching\" }\n" };
+        let channels = if key == "image" { "channels = [\"beauty\", \"id\"]\n" } else { "" };
+        Ok(format!(
+            "# Lattices of another shot, laid over {what}.\nversion = 1\n{key}   = {what}\n\
+             frames  = {{ first = {first}, last = {last}, rate = {rate:?} }}\n{size}\n\
+             [[layer]]\nname     = {name}\nstrength = {strength:?}\n\
+             transfer = {{ lattice = {lattice}, layer = {name}, fit = {fit} }}\n{topology}\n[output]\n{channels}",
+            what = from_here(&self.args.onto)?,
+            rate = self.lattices.rate,
+            name = quoted(&track.name),
+            strength = self.args.strength,
+            lattice = from_here(&self.args.lattice)?,
+            fit = fit_text(self.fit),
+        ))
+    }
 }
 
 fn fit_text(fit: &TransferFit) -> String {

@@ -62,38 +62,45 @@ pub(crate) fn comparison_sheet(figure: &SheetModel, entries: &[Entry<2>]) -> Pre
         [(columns, WIDTH), (rows, HEIGHT + WORDS)].map(|(count, size)| count as u32 * (size + GAP) - GAP);
     let mut picture = Preview::transparent(across, down);
     fill(&mut picture, FOOT);
-    let view = PanelTransform::of(figure, entries);
+    let panels = Panels { figure, entries, view: PanelTransform::of(figure, entries), columns };
     let mut row = 0;
     for group in groups {
-        draw_group(&mut picture, (figure, &view), (group, entries), (row, columns));
+        panels.draw_group(&mut picture, group, row);
         row += (group.len() + 1).div_ceil(columns);
     }
     picture
 }
 
-/// Draws the model at rest and the entries of one basis, from a row of the sheet on.
-fn draw_group(
-    picture: &mut Preview,
-    (figure, view): (&SheetModel, &PanelTransform),
-    (group, all): (&[Entry<2>], &[Entry<2>]),
-    (row, columns): (usize, usize),
-) {
-    let basis = group.first().map_or(figure.problem.grid.basis, |entry| entry.basis);
-    let rest = Grid { basis, ..figure.problem.grid.clone() }.at_rest();
-    let first =
-        panel(figure, view, PanelContent { lattice: &rest, points: &figure.problem.shape.points, is_rest: true });
-    let others = group.iter().map(|entry| {
-        panel(figure, view, PanelContent { lattice: &entry.lattice, points: &entry.points, is_rest: false })
-    });
-    for (k, drawn) in std::iter::once(first).chain(others).enumerate() {
-        let corner = [k % columns, row + k / columns].map(|place| place as u32);
-        let (x, y) = (corner[0] * (WIDTH + GAP), corner[1] * (HEIGHT + WORDS + GAP));
-        paste(picture, &drawn, [x, y]);
-        let mut canvas = Canvas::new(picture);
-        let at = DVec2::new(f64::from(x) + 16.0, f64::from(y + HEIGHT) + 12.0);
-        match k.checked_sub(1).map(|k| &group[k]) {
-            None => rest_words(&mut canvas, at, (figure, &rest.grid)),
-            Some(entry) => words(&mut canvas, at, entry, all),
+/// The panels, with what all of them share.
+struct Panels<'a> {
+    figure: &'a SheetModel<'a>,
+    entries: &'a [Entry<2>],
+    view: PanelTransform,
+    /// Panels per row.
+    columns: usize,
+}
+
+impl Panels<'_> {
+    /// Draws the model at rest and the entries of one basis, from a row of the sheet on.
+    fn draw_group(&self, picture: &mut Preview, group: &[Entry<2>], row: usize) {
+        let Self { figure, entries, ref view, columns } = *self;
+        let basis = group.first().map_or(figure.problem.grid.basis, |entry| entry.basis);
+        let rest = Grid { basis, ..figure.problem.grid.clone() }.at_rest();
+        let first =
+            panel(figure, view, PanelContent { lattice: &rest, points: &figure.problem.shape.points, is_rest: true });
+        let others = group.iter().map(|entry| {
+            panel(figure, view, PanelContent { lattice: &entry.lattice, points: &entry.points, is_rest: false })
+        });
+        for (k, drawn) in std::iter::once(first).chain(others).enumerate() {
+            let corner = [k % columns, row + k / columns].map(|place| place as u32);
+            let (x, y) = (corner[0] * (WIDTH + GAP), corner[1] * (HEIGHT + WORDS + GAP));
+            paste(picture, &drawn, [x, y]);
+            let mut canvas = Canvas::new(picture);
+            let at = DVec2::new(f64::from(x) + 16.0, f64::from(y + HEIGHT) + 12.0);
+            match k.checked_sub(1).map(|k| &group[k]) {
+                None => rest_words(&mut canvas, at, (figure, &rest.grid)),
+                Some(entry) => words(&mut canvas, at, entry, entries),
+            }
         }
     }
 }

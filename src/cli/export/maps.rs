@@ -90,45 +90,13 @@ impl Opened {
         let (lattices, prepared) = source.lattices(args)?;
         Ok(Self { lattices, prepared, inputs, size })
     }
-}
 
-impl Maps {
-    /// Solves or reads the lattices; also returns the shot, if they come from one.
-    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, MaybePrepared)> {
-        let Opened { lattices, prepared, inputs, size } = Opened::of(args)?;
-        let scope = match &prepared {
-            _ if args.layer.len() == 1 => Scope::Layer,
-            Some(prepared) if moves_surfaces(&lattices, prepared) => Scope::Surfaces,
-            _ => Scope::Picture,
-        };
-        let maps = Self::of(args, (lattices, prepared.as_deref()), (scope, inputs, size))?;
-        if scope == Scope::Picture && maps.lattices.layers.len() > 1 {
-            let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
-            writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
-        }
-        Ok((maps, prepared))
-    }
-
-    /// Same as [`Self::open`], but with one set of maps for each layer on the screen, for elements with mattes.
-    pub(super) fn open_layers(args: &ExportArgs) -> anyhow::Result<(Vec<(String, Self)>, MaybePrepared)> {
-        let Opened { lattices, prepared, inputs, size } = Opened::of(args)?;
-        let maps = Self::of(args, (lattices, prepared.as_deref()), (Scope::Layer, inputs, size))?;
-        if let Some(prepared) = prepared.as_deref() {
-            let layers = maps.lattices.layers.iter().filter_map(|layer| prepared.shot.layer_index(&layer.name));
-            let note = prepared.note_on_shared(&layers.collect::<Vec<_>>());
-            note.map_or(Ok(()), |note| writeln!(io::stderr(), "note: {note}"))?;
-        }
-        Ok((maps.by_layer(), prepared))
-    }
-
-    fn of(
-        args: &ExportArgs,
-        (mut lattices, prepared): (LatticeFile, Option<&PreparedShot>),
-        (scope, inputs, size): (Scope, Inputs, FrameSize),
-    ) -> anyhow::Result<Self> {
-        let mut contents = prepared.map(PreparedShot::contents_digest).unwrap_or_default();
+    /// Returns the maps, and the shot.
+    fn maps(self, args: &ExportArgs, scope: Scope) -> anyhow::Result<(Maps, MaybePrepared)> {
+        let Self { mut lattices, prepared, inputs, size } = self;
+        let mut contents = prepared.as_deref().map(PreparedShot::contents_digest).unwrap_or_default();
         let mut frames = frames_of(&lattices);
-        if let (Scope::Surfaces, Some(prepared)) = (scope, prepared) {
+        if let (Scope::Surfaces, Some(prepared)) = (scope, &prepared) {
             if lattices.layers.iter().any(|layer| screen(layer).is_none()) {
                 // The digest of a frame covers the lattices on the screen only.
                 contents = digest_with(&contents, &prepared.shot.hash());
@@ -140,7 +108,36 @@ impl Maps {
         }
         let window = size.window().grown(args.overscan);
         let direction = if args.inverse { Direction::Forward } else { Direction::Backward };
-        Ok(Self { lattices, frames, size, window, direction, scope, contents, inputs })
+        Ok((Maps { lattices, frames, size, window, direction, scope, contents, inputs }, prepared))
+    }
+}
+
+impl Maps {
+    /// Solves or reads the lattices; also returns the shot, if they come from one.
+    pub(super) fn open(args: &ExportArgs) -> anyhow::Result<(Self, MaybePrepared)> {
+        let opened = Opened::of(args)?;
+        let scope = match &opened.prepared {
+            _ if args.layer.len() == 1 => Scope::Layer,
+            Some(prepared) if moves_surfaces(&opened.lattices, prepared) => Scope::Surfaces,
+            _ => Scope::Picture,
+        };
+        let (maps, prepared) = opened.maps(args, scope)?;
+        if scope == Scope::Picture && maps.lattices.layers.len() > 1 {
+            let remedy = "export one at a time (--layer), or export a shot whose layers have no `matte` but its scene";
+            writeln!(io::stderr(), "note: each layer bends the whole picture, the others' parts too; {remedy}")?;
+        }
+        Ok((maps, prepared))
+    }
+
+    /// Same as [`Self::open`], but with one set of maps for each layer on the screen, for elements with mattes.
+    pub(super) fn open_layers(args: &ExportArgs) -> anyhow::Result<(Vec<(String, Self)>, MaybePrepared)> {
+        let (maps, prepared) = Opened::of(args)?.maps(args, Scope::Layer)?;
+        if let Some(prepared) = prepared.as_deref() {
+            let layers = maps.lattices.layers.iter().filter_map(|layer| prepared.shot.layer_index(&layer.name));
+            let note = prepared.note_on_shared(&layers.collect::<Vec<_>>());
+            note.map_or(Ok(()), |note| writeln!(io::stderr(), "note: {note}"))?;
+        }
+        Ok((maps.by_layer(), prepared))
     }
 
     /// Splits into one set of maps per layer.

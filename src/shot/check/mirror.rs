@@ -10,6 +10,11 @@ use crate::spelling;
 /// What `mirror` of each pin names: #layers, then #pins.
 pub(super) type Followed = Vec<Vec<Option<RawMirror>>>;
 
+/// Returns the key of a pin.
+fn key_of([layer, pin]: [usize; 2]) -> String {
+    format!("layer[{layer}].pin[{pin}]")
+}
+
 impl Check<'_> {
     /// Returns the plane of a layer's `symmetry`.
     pub(super) fn symmetry(&mut self, raw: RawSymmetry, layer: &str, shot: &LayerDefaults) -> AxisPlane {
@@ -26,8 +31,7 @@ impl Check<'_> {
         for (index, names) in followed.iter().enumerate() {
             for (number, name) in names.iter().enumerate() {
                 let Some(name) = name else { continue };
-                let key = format!("layer[{index}].pin[{number}]");
-                let Some(mirror) = self.mirror(name, &key, (layers, followed), [index, number]) else { continue };
+                let Some(mirror) = self.mirror(name, [index, number], layers, followed) else { continue };
                 let source = layers[mirror.layer].pins[mirror.pin].clone();
                 let own = &mut layers[index].pins[number];
                 own.mirror = Some(mirror);
@@ -36,7 +40,7 @@ impl Check<'_> {
                 if mirror.is_anchor_mirrored {
                     own.anchor = source.anchor;
                 }
-                if !self.document.has(&format!("{key}.weight")) {
+                if !self.document.has(&format!("{}.weight", key_of([index, number]))) {
                     own.weight = source.weight;
                 }
             }
@@ -44,13 +48,8 @@ impl Check<'_> {
     }
 
     /// Returns the pin that `mirror` names; `None` if it names none that can be followed, which is a fault.
-    fn mirror(
-        &mut self,
-        name: &RawMirror,
-        key: &str,
-        (layers, followed): (&[Layer], &Followed),
-        place: [usize; 2],
-    ) -> Option<Mirror> {
+    fn mirror(&mut self, name: &RawMirror, place: [usize; 2], layers: &[Layer], followed: &Followed) -> Option<Mirror> {
+        let key = key_of(place);
         for other in ["keys", "rotate_keys", "scale_keys", "unit"].map(|other| format!("{key}.{other}")) {
             if self.document.has(&other) {
                 self.fault(&other, "a mirrored pin takes this from the pin that it follows", "remove it, or `mirror`");
