@@ -48,7 +48,7 @@ mod zoom;
 pub(crate) mod ui;
 
 pub(crate) use axis_ring::AxisRing;
-pub(crate) use curve::{Channel, Tangent};
+pub(crate) use curve::{Channel, Tangent, TangentEnd};
 pub(crate) use document::{DiskChange, Document};
 pub(crate) use dropped::Dropped;
 pub(crate) use error::EditError;

@@ -21,6 +21,13 @@ pub(crate) enum AutoKey {
     Off,
 }
 
+/// Where a movement sets keys.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::edit) struct Keying {
+    pub(in crate::edit) time: f64,
+    pub(in crate::edit) auto: AutoKey,
+}
+
 /// The transformation that a gesture applies to a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::edit) enum Move {
@@ -97,7 +104,7 @@ pub(in crate::edit) struct PinScale {
 pub(in crate::edit) fn moved(
     shot: &Shot,
     at: [usize; 2],
-    (time, auto): (f64, AutoKey),
+    Keying { time, auto }: Keying,
     change: Move,
     scale: PinScale,
 ) -> Result<TrackKeys, EditError> {
@@ -240,7 +247,7 @@ pub(in crate::edit) fn with_handle_key(track: Option<&HandleTrack>, first: f64, 
 pub(in crate::edit) fn handle_moved(
     shot: &Shot,
     at: (usize, [usize; 3]),
-    (time, auto): (f64, AutoKey),
+    Keying { time, auto }: Keying,
     by: [f64; 3],
 ) -> Option<Vec<HandleKey>> {
     let owner = shot.layers.get(at.0)?;
@@ -285,11 +292,11 @@ mod tests {
     fn a_drag_keys_this_time_and_lands_under_the_pointer() {
         let shot = shot("strength = 0.5");
         let by = Move::By(DVec2::new(0.1, 0.2));
-        let keys = pin_keys(moved(&shot, [0, 0], (6.0, AutoKey::On), by, PinScale::default()));
+        let keys = pin_keys(moved(&shot, [0, 0], Keying { time: 6.0, auto: AutoKey::On }, by, PinScale::default()));
         assert_eq!(keys.iter().map(|key| key.frame).collect::<Vec<_>>(), [1.0, 6.0, 11.0]);
         // Halfway along the keys; at half strength, half of the keyed value is applied.
         assert_eq!((offset(&keys[1]), keys[1].rotate_degrees), (DVec2::new(0.7, 0.4), Some(Rotation::InView(10.0))));
-        let keys = pin_keys(moved(&shot, [0, 0], (6.0, AutoKey::Off), by, PinScale::default()));
+        let keys = pin_keys(moved(&shot, [0, 0], Keying { time: 6.0, auto: AutoKey::Off }, by, PinScale::default()));
         assert_eq!(keys.iter().map(offset).collect::<Vec<_>>(), [DVec2::new(0.2, 0.4), DVec2::new(1.2, 0.4)]);
     }
 
@@ -306,7 +313,8 @@ mod tests {
         let own = &mut shot.layers[0].pins[0];
         own.keys = vec![PinKey { rotate_degrees: Some(Rotation::Axes([10.0, 20.0, 30.0])), ..own.keys[0] }];
         let turned = |change: Move| {
-            pin_keys(moved(&shot, [0, 0], (1.0, AutoKey::On), change, PinScale::default()))[0].rotate_degrees
+            pin_keys(moved(&shot, [0, 0], Keying { time: 1.0, auto: AutoKey::On }, change, PinScale::default()))[0]
+                .rotate_degrees
         };
         assert_eq!(turned(Move::TurnAbout(1, 5.0)), Some(Rotation::Axes([10.0, 25.0, 30.0])));
         assert_eq!(turned(Move::TurnAbout(2, 5.0).mirrored()), Some(Rotation::Axes([10.0, 20.0, 25.0])));
@@ -321,9 +329,10 @@ mod tests {
         let by = Move::By(DVec2::new(0.5, 0.25));
         let steps = Some([DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 8.0)]);
         let scale = PinScale { rest_box: None, steps };
-        let keys = pin_keys(moved(&shot, [0, 0], (1.0, AutoKey::On), by, scale));
+        let keys = pin_keys(moved(&shot, [0, 0], Keying { time: 1.0, auto: AutoKey::On }, by, scale));
         assert_eq!(keys[0].goal, Goal::SceneOffset([2.0, 0.0, 1.0]));
-        let error = moved(&shot, [0, 0], (1.0, AutoKey::On), by, PinScale::default()).expect_err("not seen");
+        let error = moved(&shot, [0, 0], Keying { time: 1.0, auto: AutoKey::On }, by, PinScale::default())
+            .expect_err("not seen");
         assert!(error.to_string().contains("in the scene"), "{error}");
     }
 
@@ -332,7 +341,8 @@ mod tests {
         let handle = "[[layer.handle]]\nindex = [1, 2]\nkeys = [ { frame = 1, offset = [0, 0] }, { frame = 9, offset = [0.5, 0] } ]";
         let shot = shot(&format!("strength = 0.5\n{handle}"));
         let moved = |index: [usize; 3], auto: AutoKey| -> Vec<(f64, f64)> {
-            let keys = handle_moved(&shot, (0, index), (5.0, auto), [0.1, 0.0, 0.0]).expect("it is there");
+            let keys =
+                handle_moved(&shot, (0, index), Keying { time: 5.0, auto }, [0.1, 0.0, 0.0]).expect("it is there");
             keys.iter().map(|key| (key.frame, key.offset[0])).collect()
         };
         assert_eq!(moved([1, 2, 0], AutoKey::Off), [(1.0, 0.2), (9.0, 0.7)]);
@@ -348,7 +358,8 @@ mod tests {
         let key = |frame, degrees| ChannelKey { frame, value: Rotation::InView(degrees), ease: Ease::Linear };
         own.rotate_keys = vec![key(3.0, 0.0), key(7.0, 40.0)];
         own.scale_keys = vec![ChannelKey { frame: 2.0, value: 2.0, ease: Ease::Hold }];
-        let moved = |auto, change| moved(&shot, [0, 0], (5.0, auto), change, PinScale::default()).expect("seen");
+        let moved =
+            |auto, change| moved(&shot, [0, 0], Keying { time: 5.0, auto }, change, PinScale::default()).expect("seen");
         let turned = [key(3.0, 0.0), key(5.0, 30.0), key(7.0, 40.0)];
         assert_eq!(moved(AutoKey::On, Move::Turn(10.0)), TrackKeys::Rotation(turned.to_vec()));
         assert_eq!(moved(AutoKey::Off, Move::Turn(10.0)), TrackKeys::Rotation(vec![key(3.0, 10.0), key(7.0, 50.0)]));

@@ -103,7 +103,7 @@ fn a_handle_has_curves_in_per_cent_of_the_box() {
     session.choose_key(MOVED, 1.0, false);
     session.ease_keys(EasePreset::Linear);
     let [tangent] = session.tangents(MOVED, Channel::Y)[..] else { panic!("one leaves the first key") };
-    session.bend_curve(MOVED, (tangent.key, tangent.control), Channel::Y, [3.0, 0.0]);
+    session.bend_curve(MOVED, tangent.end, Channel::Y, [3.0, 0.0]);
     assert!(matches!(handle_keys(&session, 0, MOVED.1)[0].ease, Ease::Bezier(_)));
     session.raise_keys(Channel::X, 10.0);
     near(&session, Channel::X, &[[1.0, 1.0], [5.0, 5.0]]);

@@ -210,7 +210,7 @@ fn tangents_of_chosen_keys_bend_the_curve() {
     let [tangent] = session.tangents([0, 0], Channel::X)[..] else { panic!("one leaves the first key") };
     let middle = |session: &Session| session.curve([0, 0], Channel::X, &[3.0])[0][1];
     let before = middle(&session);
-    session.bend_curve([0, 0], (tangent.key, tangent.control), Channel::X, [3.0, 20.0]);
+    session.bend_curve([0, 0], tangent.end, Channel::X, [3.0, 20.0]);
     assert!(middle(&session) > before + 2.0, "{} from {before}", middle(&session));
     session.undo();
     assert_eq!(middle(&session), before);

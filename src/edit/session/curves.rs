@@ -3,7 +3,7 @@
 //! In: pins and handles, channels, positions in the curve view. Out: values; one document change per drag.
 
 use super::Session;
-use crate::edit::curve::{Channel, Tangent, display_scale, has_channel, samples};
+use crate::edit::curve::{Channel, CurveAxis, Tangent, TangentEnd, has_channel, samples};
 use crate::edit::track_keys::{Track, TrackKeys};
 use crate::shot::PinKey;
 
@@ -19,7 +19,7 @@ impl Session {
     pub(crate) fn curve_keys(&self, track: impl Into<Track>, channel: Channel) -> Vec<[f64; 2]> {
         let track = track.into();
         let keys = track.keys(self.shot()).filter(|_| has_channel(self.shot(), track, channel));
-        keys.map_or_else(Vec::new, |keys| keys.values(channel, display_scale(self.shot(), track)))
+        keys.map_or_else(Vec::new, |keys| keys.values(CurveAxis::of(self.shot(), track, channel)))
     }
 
     /// Returns the tangents of the selected keys of a pin or handle.
@@ -27,21 +27,15 @@ impl Session {
     pub(crate) fn tangents(&self, track: impl Into<Track>, channel: Channel) -> Vec<Tangent> {
         let track = track.into();
         let keys = track.keys(self.shot()).filter(|_| has_channel(self.shot(), track, channel));
-        let (times, scale) = (self.selection.times_of(track), display_scale(self.shot(), track));
-        keys.map_or_else(Vec::new, |keys| keys.tangents(&times, channel, scale))
+        let (times, axis) = (self.selection.times_of(track), CurveAxis::of(self.shot(), track, channel));
+        keys.map_or_else(Vec::new, |keys| keys.tangents(&times, axis))
     }
 
     /// Moves the end of a tangent to (time, value).
-    pub(crate) fn bend_curve(
-        &mut self,
-        track: impl Into<Track>,
-        tangent: (f64, usize),
-        channel: Channel,
-        to: [f64; 2],
-    ) {
+    pub(crate) fn bend_curve(&mut self, track: impl Into<Track>, tangent: TangentEnd, channel: Channel, to: [f64; 2]) {
         let track = track.into();
-        let scale = display_scale(self.shot(), track);
-        let bent = track.keys(self.shot()).and_then(|keys| keys.bent(tangent, channel, (to, scale)));
+        let axis = CurveAxis::of(self.shot(), track, channel);
+        let bent = track.keys(self.shot()).and_then(|keys| keys.bent(tangent, axis, to));
         let Some(keys) = bent else { return };
         self.write_keys("Bend curve", &[(track, keys)], Some(&format!("bend {track:?} {tangent:?}")));
     }
@@ -69,8 +63,8 @@ impl Session {
     /// Moves a key to another time and value in a channel; keys cannot pass each other. One drag is one undo step.
     pub(crate) fn move_curve_key(&mut self, (track, from): (impl Into<Track>, f64), channel: Channel, to: [f64; 2]) {
         let track = track.into();
-        let scale = display_scale(self.shot(), track);
-        let moved = track.keys(self.shot()).and_then(|keys| keys.moved(from, channel, (to, scale)));
+        let axis = CurveAxis::of(self.shot(), track, channel);
+        let moved = track.keys(self.shot()).and_then(|keys| keys.moved(from, axis, to));
         let Some((keys, time)) = moved else { return };
         if self.write_keys("Move key", &[(track, keys)], Some(&format!("curve {track:?} {channel:?}"))) {
             self.selection.keys = vec![(track, time)];

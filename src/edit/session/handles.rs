@@ -3,7 +3,7 @@
 //! In: the selected handles. Out: their keys; document changes.
 
 use super::Session;
-use crate::edit::track::{box_sizes, handle_key_at, handle_moved, key_time, with_handle_key};
+use crate::edit::track::{Keying, box_sizes, handle_key_at, handle_moved, key_time, with_handle_key};
 use crate::edit::track_keys::{Track, TrackKeys, axes_of};
 use crate::pipeline::LayerMarks;
 use crate::shot::edit::put_handle;
@@ -18,7 +18,7 @@ impl Session {
             let owner = &base.layers[layer];
             let Some(by) = self.in_box(layer, index, by) else { continue };
             let time = key_time(&base.frames, owner, self.playhead.frame());
-            let moved = handle_moved(base, (layer, index), (time, self.auto_key), by.to_array());
+            let moved = handle_moved(base, (layer, index), Keying { time, auto: self.auto_key }, by.to_array());
             let Some(keys) = moved else { continue };
             let handles = &mut shot.layers[layer].handles;
             match handles.iter_mut().find(|track| track.index == index) {

@@ -3,7 +3,7 @@
 //! In: a pin or handle, a direction. Out: selected keys; one document change per run of steps.
 
 use super::Session;
-use crate::edit::curve::{Channel, display_scale, is_in_boxes};
+use crate::edit::curve::{Channel, CurveAxis, is_in_boxes};
 use crate::edit::track_keys::{KeyEdit, Track};
 use crate::shot::{Goal, OffsetUnit};
 
@@ -66,8 +66,8 @@ impl Session {
         let by = steps * self.unit_of(track, channel).step();
         let tracks: Vec<Track> = self.selection.keyed().into_iter().collect();
         let series = format!("raise keys {tracks:?} {channel:?}");
-        let scale = display_scale(self.shot(), track);
-        self.change_keys("Change keys", Some(&series), |keys, times| keys.raised(times, channel, (by, scale)));
+        let axis = CurveAxis::of(self.shot(), track, channel);
+        self.change_keys("Change keys", Some(&series), |keys, times| keys.raised(times, axis, by));
     }
 
     /// Returns the unit in which a channel of a pin or handle is shown.

@@ -8,7 +8,7 @@ use super::shown::Wipe;
 use super::{Purpose, Session};
 use crate::edit::EditError;
 use crate::edit::axis_ring::going_on;
-use crate::edit::track::{Move, PinScale, key_time, moved};
+use crate::edit::track::{Keying, Move, PinScale, key_time, moved};
 use crate::edit::track_keys::{Track, TrackKeys};
 use crate::edit::worker::SolvedFrame;
 use crate::pipeline::LayerMarks;
@@ -322,7 +322,7 @@ impl Session {
         for (at, change) in chosen.chain(self.counterparts(base).map(|at| (at, change.mirrored()))) {
             let time = key_time(&base.frames, &base.layers[at[0]], frame);
             let ready = self.ready_to_turn(base, at, change);
-            let keys = moved(&ready, at, (time, self.auto_key), change, self.scale_of(at))?;
+            let keys = moved(&ready, at, Keying { time, auto: self.auto_key }, change, self.scale_of(at))?;
             let pin = &mut shot.layers[at[0]].pins[at[1]];
             pin.clone_from(&ready.layers[at[0]].pins[at[1]]);
             keys.put_into(pin);

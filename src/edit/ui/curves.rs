@@ -6,7 +6,7 @@ use super::accessible::{self, Part};
 use super::arrow_keys::{self, Arrow, With};
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::ACCENT;
-use crate::edit::{Channel, CurveUnit, KeyStep, Session, Tangent, Track};
+use crate::edit::{Channel, CurveUnit, KeyStep, Session, Tangent, TangentEnd, Track};
 use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2,
     WidgetInfo, pos2, vec2,
@@ -74,7 +74,7 @@ impl Drag {
     fn go(&mut self, session: &mut Session, scale: FrameScale, pen: Pos2) {
         let (time, value) = (f64::from(scale.frame(pen.x)), self.axis.value(pen.y));
         if let Some(control) = self.control {
-            return session.bend_curve(self.track, (self.time, control), self.channel, [time, value]);
+            return session.bend_curve(self.track, TangentEnd { key: self.time, control }, self.channel, [time, value]);
         }
         session.move_curve_key((self.track, self.time), self.channel, [time.round(), value]);
         let times = session.selection.times_of(self.track);
@@ -102,6 +102,55 @@ impl Axis {
     }
 }
 
+/// The curves as they lie in the view.
+struct Plot {
+    curves: Vec<Curve>,
+    scale: FrameScale,
+    axis: Axis,
+    /// The view without the names.
+    rect: Rect,
+}
+
+impl Plot {
+    /// Returns the position of (time, value).
+    fn at(&self, [time, value]: [f64; 2]) -> Pos2 {
+        pos2(self.scale.x(time), self.axis.y(value))
+    }
+
+    fn draw(&self, painter: &Painter, curve: &Curve, session: &Session) {
+        let color = color(curve.channel);
+        painter.line(curve.points.iter().map(|&point| self.at(point)).collect(), Stroke::new(1.6, color));
+        for tangent in &curve.tangents {
+            let ends = [self.at(tangent.from), self.at(tangent.to)];
+            painter.line_segment(ends, Stroke::new(1.0, color.gamma_multiply(0.8)));
+            painter.circle_filled(ends[1], 3.0, color);
+        }
+        for &key in &curve.keys {
+            let is_chosen = session.selection.has_key(curve.track, key[0]);
+            painter.circle_filled(self.at(key), 4.5, if is_chosen { ACCENT } else { color });
+            painter.circle_stroke(self.at(key), 4.5, Stroke::new(1.0, Color32::from_black_alpha(160)));
+        }
+    }
+
+    /// Returns the key or tangent end under the pointer.
+    fn nearest(&self, pen: Pos2) -> Option<Drag> {
+        let axis = self.axis;
+        let mut found: Option<(f32, Drag)> = None;
+        let mut look = |at: &[f64; 2], drag: Drag| {
+            let far = pen.distance(self.at(*at));
+            if far <= REACH && found.as_ref().is_none_or(|(other, _)| far < *other) {
+                found = Some((far, drag));
+            }
+        };
+        for &Curve { track, channel, ref keys, ref tangents, .. } in &self.curves {
+            keys.iter().for_each(|key| look(key, Drag { track, channel, time: key[0], control: None, axis }));
+            let end = |end: TangentEnd| Drag { track, channel, time: end.key, control: Some(end.control), axis };
+            tangents.iter().for_each(|tangent| look(&tangent.to, end(tangent.end)));
+        }
+        found.map(|(_, drag)| drag)
+    }
+}
+
 /// A curve and its keys.
 struct Curve {
     track: Track,
@@ -122,34 +171,27 @@ impl CurveView {
         let curves = self.curves(session, scale);
         ui.scope_builder(UiBuilder::new().max_rect(names.shrink(6.0)), |ui| self.kinds(ui, session, &curves));
         let axis = self.drag.map_or_else(|| axis_of(&curves, rect.shrink2(vec2(0.0, 10.0))), |drag| drag.axis);
-        let plot = Rect::from_min_max(pos2(rect.left() + NAMES, rect.top()), rect.max);
+        let area = Rect::from_min_max(pos2(rect.left() + NAMES, rect.top()), rect.max);
+        let plot = Plot { curves, scale, axis, rect: area };
         let (painter, weak) = (ui.painter_at(rect), ui.visuals().weak_text_color());
-        if curves.is_empty() {
+        if plot.curves.is_empty() {
             let words = self.kind.missing();
-            painter.text(plot.center(), Align2::CENTER_CENTER, words, FontId::proportional(12.5), weak);
+            painter.text(area.center(), Align2::CENTER_CENTER, words, FontId::proportional(12.5), weak);
         } else {
-            grid(&painter, plot, axis, weak);
+            grid(&painter, area, axis, weak);
         }
-        playhead(&painter, plot, session, scale);
-        for curve in &curves {
-            draw(&painter, curve, (scale, axis), session);
-        }
-        self.name_keys(ui, session, &response, (&curves, scale, axis));
-        self.keyboard(ui, session, &response, &curves);
+        playhead(&painter, area, session, scale);
+        plot.curves.iter().for_each(|curve| plot.draw(&painter, curve, session));
+        self.name_keys(ui, session, &response, &plot);
+        self.keyboard(ui, session, &response, &plot.curves);
         if response.has_focus() {
-            painter.rect_stroke(plot.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
+            painter.rect_stroke(area.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
         }
-        self.pen(ui, session, (&response, plot), (&curves, scale, axis));
+        self.pen(ui, session, &response, &plot);
         response.has_focus()
     }
 
-    fn pen(
-        &mut self,
-        ui: &Ui,
-        session: &mut Session,
-        (response, plot): (&Response, Rect),
-        (curves, scale, axis): (&[Curve], FrameScale, Axis),
-    ) {
+    fn pen(&mut self, ui: &Ui, session: &mut Session, response: &Response, plot: &Plot) {
         let pressed = ui.input(|input| input.pointer.primary_pressed());
         let Some(pen) = response.interact_pointer_pos() else {
             self.drag = None;
@@ -157,16 +199,16 @@ impl CurveView {
         };
         if pressed && response.contains_pointer() {
             response.request_focus();
-            self.drag = nearest(curves, pen, scale, axis);
+            self.drag = plot.nearest(pen);
             self.current = self.drag.map(|drag| (drag.track, drag.channel)).or(self.current);
             match self.drag {
                 Some(Drag { control: None, track, time, .. }) => session.choose_key(track, time, false),
                 Some(_) => {}
-                None if pen.x >= plot.left() => session.go(scale.frame(pen.x).round() as i32),
+                None if pen.x >= plot.rect.left() => session.go(plot.scale.frame(pen.x).round() as i32),
                 None => {}
             }
         } else if let Some(drag) = self.drag.as_mut().filter(|_| response.dragged()) {
-            drag.go(session, scale, pen);
+            drag.go(session, plot.scale, pen);
         }
         if response.drag_stopped() {
             self.drag = None;
@@ -174,17 +216,11 @@ impl CurveView {
     }
 
     /// Makes the keys known to screen readers, which choose them.
-    fn name_keys(
-        &mut self,
-        ui: &Ui,
-        session: &mut Session,
-        response: &Response,
-        (curves, scale, axis): (&[Curve], FrameScale, Axis),
-    ) {
-        let all = || curves.iter().flat_map(|curve| curve.keys.iter().map(move |key| (curve, key)));
+    fn name_keys(&mut self, ui: &Ui, session: &mut Session, response: &Response, plot: &Plot) {
+        let all = || plot.curves.iter().flat_map(|curve| curve.keys.iter().map(move |key| (curve, key)));
         let parts = all().map(|(curve, &[time, value])| Part {
             id: response.id.with((curve.track, curve.channel, time.to_bits())),
-            rect: Rect::from_center_size(pos2(scale.x(time), axis.y(value)), Vec2::splat(2.0 * REACH)),
+            rect: Rect::from_center_size(plot.at([time, value]), Vec2::splat(2.0 * REACH)),
             label: format!(
                 "{} of {}, frame {time}: {}",
                 curve.channel.name(),
@@ -295,36 +331,4 @@ fn grid(painter: &Painter, plot: Rect, axis: Axis, weak: Color32) {
         let place = pos2(plot.left() - 6.0, axis.y(value));
         painter.text(place, Align2::RIGHT_CENTER, format!("{value:.decimals$}"), FontId::proportional(10.0), weak);
     }
-}
-
-fn draw(painter: &Painter, curve: &Curve, (scale, axis): (FrameScale, Axis), session: &Session) {
-    let place = |point: &[f64; 2]| pos2(scale.x(point[0]), axis.y(point[1]));
-    let color = color(curve.channel);
-    painter.line(curve.points.iter().map(place).collect(), Stroke::new(1.6, color));
-    for tangent in &curve.tangents {
-        painter.line_segment([place(&tangent.from), place(&tangent.to)], Stroke::new(1.0, color.gamma_multiply(0.8)));
-        painter.circle_filled(place(&tangent.to), 3.0, color);
-    }
-    for key in &curve.keys {
-        let is_chosen = session.selection.has_key(curve.track, key[0]);
-        painter.circle_filled(place(key), 4.5, if is_chosen { ACCENT } else { color });
-        painter.circle_stroke(place(key), 4.5, Stroke::new(1.0, Color32::from_black_alpha(160)));
-    }
-}
-
-/// Returns the key or tangent end under the pointer.
-fn nearest(curves: &[Curve], pen: Pos2, scale: FrameScale, axis: Axis) -> Option<Drag> {
-    let mut found: Option<(f32, Drag)> = None;
-    let mut look = |at: &[f64; 2], drag: Drag| {
-        let far = pen.distance(pos2(scale.x(at[0]), axis.y(at[1])));
-        if far <= REACH && found.as_ref().is_none_or(|(other, _)| far < *other) {
-            found = Some((far, drag));
-        }
-    };
-    for &Curve { track, channel, ref keys, ref tangents, .. } in curves {
-        keys.iter().for_each(|key| look(key, Drag { track, channel, time: key[0], control: None, axis }));
-        let end = |end: &Tangent| Drag { track, channel, time: end.key, control: Some(end.control), axis };
-        tangents.iter().for_each(|tangent| look(&tangent.to, end(tangent)));
-    }
-    found.map(|(_, drag)| drag)
 }

@@ -5,7 +5,7 @@ use super::icons;
 use super::name_field::NameField;
 use super::number_field::NumberField;
 use super::theme::heat;
-use super::turn_fields;
+use super::turn_fields::{self, PinValues};
 use crate::edit::{Figure, Session};
 use crate::shot::{Goal, OffsetUnit, PinKey, PinRegion};
 use crate::space::{ScreenPoint, ScreenVector};
@@ -71,8 +71,8 @@ fn pin(ui: &mut Ui, session: &mut Session, at: [usize; 2]) {
         });
     });
     Grid::new("pin").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
-        place(ui, session, (at, key));
-        turn_fields::show(ui, session, (at, key));
+        place(ui, session, PinValues { at, key });
+        turn_fields::show(ui, session, PinValues { at, key });
         region(ui, session, (at, own.region));
         weight(ui, session, at, own.weight);
     });
@@ -118,7 +118,7 @@ fn hard(ui: &mut Ui, session: &mut Session) {
 }
 
 /// Edits a position in pixels, or in per cent of the lattice's box.
-fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
+fn place(ui: &mut Ui, session: &mut Session, PinValues { at, key }: PinValues) {
     let lines = f64::from(session.shot().size.height);
     let is_box = session.shot().layers[at[0]].pins[at[1]].unit == OffsetUnit::Box;
     let (scale, unit, hint) = match key.goal {
@@ -128,8 +128,8 @@ fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
     let (what, old) = match key.goal {
         Goal::Offset(offset) => ("Offset", offset.0),
         Goal::Target(target) => ("Target", target.0),
-        Goal::SceneOffset(offset) => return place_in_scene(ui, session, (at, key), ("Offset", offset)),
-        Goal::SceneTarget(target) => return place_in_scene(ui, session, (at, key), ("Target", target)),
+        Goal::SceneOffset(offset) => return place_in_scene(ui, session, PinValues { at, key }, "Offset", offset),
+        Goal::SceneTarget(target) => return place_in_scene(ui, session, PinValues { at, key }, "Target", target),
     };
     let mut new = old * scale;
     ui.label(what).on_hover_text(hint);
@@ -155,7 +155,7 @@ fn place(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
 }
 
 /// Edits a position in the scene, in its own unit.
-fn place_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), (what, old): (&str, [f64; 3])) {
+fn place_in_scene(ui: &mut Ui, session: &mut Session, PinValues { at, key }: PinValues, what: &str, old: [f64; 3]) {
     let unit = session.shot().layers[at[0]].pins[at[1]].unit;
     let hint = if unit == OffsetUnit::Box { "in sizes of the lattice's box" } else { "in metres of the scene" };
     ui.label(what).on_hover_text(hint);

@@ -4,7 +4,7 @@ use super::accessible::{self, Part};
 use super::curves::CurveView;
 use super::frame_scale::{FrameScale, NAMES, playhead};
 use super::theme::{ACCENT, heat};
-use super::track_row::{self, Pen, Row};
+use super::track_row::{self, Pen, Row, RowView};
 use super::transport::transport;
 use crate::edit::{Figure, Session, Track};
 use eframe::egui::{
@@ -135,7 +135,7 @@ impl Timeline {
             if follows {
                 self.followed = alone;
             }
-            let shown = track_row::show(ui, session, &row, (scale, by, follows));
+            let shown = track_row::show(ui, session, &row, RowView { scale, moved_by: by, scrolls_here: follows });
             pen = if shown.pen == Pen::Away { pen } else { shown.pen };
             if shown.leaves != 0 {
                 entered = Some(seen.len().saturating_add_signed(shown.leaves as isize));

@@ -71,17 +71,32 @@ pub(super) struct ShownRow {
     pub(super) leaves: i32,
 }
 
-/// Shows a row; `by`: frames by which selected keys are being moved.
-pub(super) fn show(
-    ui: &mut Ui,
-    session: &mut Session,
-    row: &Row,
-    (scale, by, follows): (FrameScale, i32, bool),
-) -> ShownRow {
+/// How a row is shown.
+#[derive(Clone, Copy)]
+pub(super) struct RowView {
+    pub(super) scale: FrameScale,
+    /// Frames by which selected keys are being moved.
+    pub(super) moved_by: i32,
+    /// Whether the row scrolls into view.
+    pub(super) scrolls_here: bool,
+}
+
+/// A row in its place.
+struct PlacedRow<'a> {
+    row: &'a Row,
+    scale: FrameScale,
+    response: Response,
+    /// The place of the name.
+    names: Rect,
+}
+
+/// Shows a row.
+pub(super) fn show(ui: &mut Ui, session: &mut Session, row: &Row, view: RowView) -> ShownRow {
+    let RowView { scale, moved_by, scrolls_here } = view;
     let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), ROW), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, format!("Keys of {}", row.name)));
     let rect = response.rect;
-    if follows {
+    if scrolls_here {
         response.scroll_to_me(None);
     }
     let is_chosen = session.selection.has(row.track);
@@ -99,7 +114,7 @@ pub(super) fn show(
     let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
     painter.hline(rect.x_range(), rect.bottom(), line);
     let place = |(frame, _): &(f64, Ease)| {
-        let shift = if session.selection.has_key(row.track, *frame) { f64::from(by) } else { 0.0 };
+        let shift = if session.selection.has_key(row.track, *frame) { f64::from(moved_by) } else { 0.0 };
         pos2(scale.x(frame + shift), rect.center().y)
     };
     // Keys before the first frame must not cross the name.
@@ -115,73 +130,84 @@ pub(super) fn show(
     if response.has_focus() {
         ui.painter_at(rect).rect_stroke(rect.shrink(1.0), 2, Stroke::new(1.0, ACCENT), StrokeKind::Inside);
     }
-    name_keys(ui, session, &response, (row, scale));
-    let leaves = keyboard(ui, session, &response, row);
-    ShownRow { pen: pen(ui, session, (&response, names), (row, scale)), response, leaves }
+    let placed = PlacedRow { row, scale, response, names };
+    placed.name_keys(ui, session);
+    let leaves = placed.keyboard(ui, session);
+    ShownRow { pen: placed.pen(ui, session), response: placed.response, leaves }
 }
 
-/// Makes the keys known to screen readers, which choose them.
-fn name_keys(ui: &Ui, session: &mut Session, response: &Response, (row, scale): (&Row, FrameScale)) {
-    let keys = row.keys.iter().map(|&(time, ease)| Part {
-        id: response.id.with(time.to_bits()),
-        rect: Rect::from_center_size(pos2(scale.x(time), response.rect.center().y), Vec2::splat(2.0 * REACH)),
-        label: format!("Key of {}, frame {time}, {}", row.name, EasePreset::of(ease).map_or("Curve", EasePreset::name)),
-        is_chosen: session.selection.has_key(row.track, time),
-    });
-    let chosen = accessible::parts(ui, response, keys);
-    if let Some((time, _)) = chosen.and_then(|place| row.keys.get(place)) {
-        session.choose_key(row.track, *time, false);
-        response.request_focus();
-    }
-}
-
-/// Handles the keyboard: arrows step from key to key, with Alt they move keys. Returns by how many rows it leaves.
-fn keyboard(ui: &Ui, session: &mut Session, response: &Response, row: &Row) -> i32 {
-    let is_entered = response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-    if is_entered {
-        choose(session, row.track, ui.input(|input| input.modifiers.shift));
-    }
-    let mut leaves = 0;
-    for Arrow { way: [right, up], with } in arrow_keys::take(ui, response) {
-        match with {
-            With::Alt if right != 0 => session.nudge_keys(right),
-            With::Alt => {}
-            _ if right == 0 => leaves -= up,
-            With::Shift => session.step_key(row.track, right > 0, KeyStep::Add),
-            With::Nothing => session.step_key(row.track, right > 0, KeyStep::Only),
+impl PlacedRow<'_> {
+    /// Makes the keys known to screen readers, which choose them.
+    fn name_keys(&self, ui: &Ui, session: &mut Session) {
+        let Self { row, scale, ref response, .. } = *self;
+        let keys = row.keys.iter().map(|&(time, ease)| Part {
+            id: response.id.with(time.to_bits()),
+            rect: Rect::from_center_size(pos2(scale.x(time), response.rect.center().y), Vec2::splat(2.0 * REACH)),
+            label: format!(
+                "Key of {}, frame {time}, {}",
+                row.name,
+                EasePreset::of(ease).map_or("Curve", EasePreset::name)
+            ),
+            is_chosen: session.selection.has_key(row.track, time),
+        });
+        let chosen = accessible::parts(ui, response, keys);
+        if let Some((time, _)) = chosen.and_then(|place| row.keys.get(place)) {
+            session.choose_key(row.track, *time, false);
+            response.request_focus();
         }
     }
-    leaves
-}
 
-fn pen(ui: &Ui, session: &mut Session, (response, names): (&Response, Rect), (row, scale): (&Row, FrameScale)) -> Pen {
-    let (pressed, adds) = ui.input(|input| (input.pointer.primary_pressed(), input.modifiers.shift));
-    if response.drag_stopped() || response.clicked() && !pressed {
-        return Pen::Up;
-    }
-    let Some(at) = response.interact_pointer_pos() else { return Pen::Away };
-    if pressed && response.contains_pointer() {
-        response.request_focus();
-    }
-    if !(pressed && response.contains_pointer()) {
-        return if response.dragged() { Pen::Dragged(at) } else { Pen::Away };
-    }
-    let far = |key: &&(f64, Ease)| (scale.x(key.0) - at.x).abs();
-    let near = row.keys.iter().filter(|key| far(key) <= REACH).min_by(|a, b| far(a).total_cmp(&far(b)));
-    match near {
-        Some((time, _)) => {
-            session.choose_key(row.track, *time, adds);
-            Pen::Key(at)
+    /// Handles the keyboard: arrows step from key to key, with Alt they move keys. Returns by how many rows it leaves.
+    fn keyboard(&self, ui: &Ui, session: &mut Session) -> i32 {
+        let Self { row, response, .. } = self;
+        let is_entered = response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        if is_entered {
+            choose(session, row.track, ui.input(|input| input.modifiers.shift));
         }
-        None if names.contains(at) => {
-            let is_double = ui.input(|input| input.pointer.button_double_clicked(eframe::egui::PointerButton::Primary));
-            choose(session, row.track, adds || is_double);
-            if is_double || session.selection.has(row.track) && ui.input(|input| input.modifiers.command) {
-                row.keys.iter().for_each(|(time, _)| add_key(session, row.track, *time));
+        let mut leaves = 0;
+        for Arrow { way: [right, up], with } in arrow_keys::take(ui, response) {
+            match with {
+                With::Alt if right != 0 => session.nudge_keys(right),
+                With::Alt => {}
+                _ if right == 0 => leaves -= up,
+                With::Shift => session.step_key(row.track, right > 0, KeyStep::Add),
+                With::Nothing => session.step_key(row.track, right > 0, KeyStep::Only),
             }
-            Pen::Away
         }
-        None => Pen::Empty(at),
+        leaves
+    }
+
+    fn pen(&self, ui: &Ui, session: &mut Session) -> Pen {
+        let Self { row, scale, ref response, names } = *self;
+        let (pressed, adds) = ui.input(|input| (input.pointer.primary_pressed(), input.modifiers.shift));
+        if response.drag_stopped() || response.clicked() && !pressed {
+            return Pen::Up;
+        }
+        let Some(at) = response.interact_pointer_pos() else { return Pen::Away };
+        if pressed && response.contains_pointer() {
+            response.request_focus();
+        }
+        if !(pressed && response.contains_pointer()) {
+            return if response.dragged() { Pen::Dragged(at) } else { Pen::Away };
+        }
+        let far = |key: &&(f64, Ease)| (scale.x(key.0) - at.x).abs();
+        let near = row.keys.iter().filter(|key| far(key) <= REACH).min_by(|a, b| far(a).total_cmp(&far(b)));
+        match near {
+            Some((time, _)) => {
+                session.choose_key(row.track, *time, adds);
+                Pen::Key(at)
+            }
+            None if names.contains(at) => {
+                let is_double =
+                    ui.input(|input| input.pointer.button_double_clicked(eframe::egui::PointerButton::Primary));
+                choose(session, row.track, adds || is_double);
+                if is_double || session.selection.has(row.track) && ui.input(|input| input.modifiers.command) {
+                    row.keys.iter().for_each(|(time, _)| add_key(session, row.track, *time));
+                }
+                Pen::Away
+            }
+            None => Pen::Empty(at),
+        }
     }
 }
 

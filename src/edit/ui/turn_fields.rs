@@ -7,15 +7,29 @@ use crate::edit::{Channel, Session};
 use crate::shot::{Goal, PinKey, Rotation};
 use eframe::egui::{DragValue, Ui};
 
-/// Shows rotation and scale of a pin; `key`: its values in the current frame.
-pub(super) fn show(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey)) {
+/// A pin, with its values in the current frame.
+#[derive(Clone, Copy)]
+pub(super) struct PinValues {
+    pub(super) at: [usize; 2],
+    pub(super) key: PinKey,
+}
+
+/// A channel of a pin.
+#[derive(Clone, Copy)]
+struct PinChannel {
+    at: [usize; 2],
+    channel: Channel,
+}
+
+/// Shows rotation and scale of a pin.
+pub(super) fn show(ui: &mut Ui, session: &mut Session, PinValues { at, key }: PinValues) {
     session.want_turns_when_drawn(at);
     let is_in_scene = matches!(key.goal, Goal::SceneOffset(_) | Goal::SceneTarget(_));
     match key.rotate_degrees {
-        Some(Rotation::Axes(angles)) => turn_in_scene(ui, session, (at, key), Some(angles)),
-        None if is_in_scene => turn_in_scene(ui, session, (at, key), None),
-        Some(Rotation::InView(angle)) => turn_in_view(ui, session, (at, key), Some(angle)),
-        None => turn_in_view(ui, session, (at, key), None),
+        Some(Rotation::Axes(angles)) => turn_in_scene(ui, session, PinValues { at, key }, Some(angles)),
+        None if is_in_scene => turn_in_scene(ui, session, PinValues { at, key }, None),
+        Some(Rotation::InView(angle)) => turn_in_view(ui, session, PinValues { at, key }, Some(angle)),
+        None => turn_in_view(ui, session, PinValues { at, key }, None),
     }
     ui.label("Scale");
     let mut scale = key.scale.unwrap_or(1.0);
@@ -26,7 +40,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], P
         decimals: 3,
     };
     let style = free_number(key.scale.is_none(), "");
-    if held_or_free(ui, session, (at, Channel::Scale, key.scale.is_none()), |ui| {
+    if held_or_free(ui, session, PinChannel { at, channel: Channel::Scale }, key.scale.is_none(), |ui| {
         field.drag(ui, &mut scale, |number| style(number.speed(0.005)))
     }) {
         session.put_key(at, PinKey { scale: Some(scale), ..key });
@@ -35,10 +49,10 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], P
 }
 
 /// Edits the angle in the view; `None`: free.
-fn turn_in_view(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angle: Option<f64>) {
+fn turn_in_view(ui: &mut Ui, session: &mut Session, PinValues { at, key }: PinValues, angle: Option<f64>) {
     ui.label("Rotation");
     let mut new = angle.unwrap_or(0.0);
-    if held_or_free(ui, session, (at, Channel::Rotation, angle.is_none()), |ui| {
+    if held_or_free(ui, session, PinChannel { at, channel: Channel::Rotation }, angle.is_none(), |ui| {
         angle_field(ui, &mut new, ("Rotation", ""), angle.is_none())
     }) {
         session.put_key(at, PinKey { rotate_degrees: Some(Rotation::InView(new)), ..key });
@@ -47,7 +61,7 @@ fn turn_in_view(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinK
 }
 
 /// Edits the angles about three axes; `None`: free.
-fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], PinKey), angles: Option<[f64; 3]>) {
+fn turn_in_scene(ui: &mut Ui, session: &mut Session, PinValues { at, key }: PinValues, angles: Option<[f64; 3]>) {
     let axes = [Channel::RotationX, Channel::RotationY, Channel::RotationZ];
     let mut new = angles.unwrap_or_default();
     let mut is_changed = false;
@@ -55,7 +69,7 @@ fn turn_in_scene(ui: &mut Ui, session: &mut Session, (at, key): ([usize; 2], Pin
         ui.label(if axis == "x" { "Rotation" } else { "" }).on_hover_text("degrees about x, then y, then z");
         // One button frees all three.
         let is_free = angles.is_none() || axis != "x";
-        is_changed |= held_or_free(ui, session, (at, channel, is_free), |ui| {
+        is_changed |= held_or_free(ui, session, PinChannel { at, channel }, is_free, |ui| {
             angle_field(ui, value, (&format!("Rotation {axis}"), &format!("{axis} ")), angles.is_none())
         });
         ui.end_row();
@@ -88,7 +102,8 @@ fn free_number(is_free: bool, unit: &'static str) -> impl Fn(DragValue) -> DragV
 fn held_or_free(
     ui: &mut Ui,
     session: &mut Session,
-    (at, channel, is_free): ([usize; 2], Channel, bool),
+    of: PinChannel,
+    is_free: bool,
     number: impl FnOnce(&mut Ui) -> bool,
 ) -> bool {
     ui.horizontal(|ui| {
@@ -96,9 +111,9 @@ fn held_or_free(
         if !is_free {
             let hint = "Unconstrained: the pin leaves rotation and scale free";
             if ui.small_button("free").on_hover_text(hint).clicked() {
-                session.free_channel(at, channel);
+                session.free_channel(of.at, of.channel);
             }
-            keyed_apart(ui, session, (at, channel));
+            keyed_apart(ui, session, of);
         }
         is_changed
     })
@@ -106,7 +121,7 @@ fn held_or_free(
 }
 
 /// Shows a button that gives a channel keys of its own, or joins them with those of the pin.
-fn keyed_apart(ui: &mut Ui, session: &mut Session, (at, channel): ([usize; 2], Channel)) {
+fn keyed_apart(ui: &mut Ui, session: &mut Session, PinChannel { at, channel }: PinChannel) {
     let what = if channel == Channel::Scale { "scale" } else { "rotation" };
     if session.is_keyed_separately(at, channel) {
         let hint =

@@ -100,7 +100,7 @@ pub(super) fn show(
     }
     session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
     session.show_before(is_held(ui.ctx(), shortcuts, Action::Before));
-    scroll(ui, (&response, rect), (session, &lens), pan);
+    scroll(ui, &response, rect, session, pan);
     match pan.drag(ui, &response, shortcuts) {
         Some(by) => session.zoom = session.zoom.panned(&lens, DVec2::new(by.x.into(), by.y.into())),
         None => pen::follow(ui, &response, (session, &lens), shortcuts),
@@ -133,7 +133,8 @@ pub(super) fn show(
 }
 
 /// Zooms by the wheel or by a pinch, and pans by the middle button or by two fingers on a trackpad.
-fn scroll(ui: &Ui, (response, rect): (&egui::Response, Rect), (session, lens): (&mut Session, &Lens), pan: &mut Pan) {
+fn scroll(ui: &Ui, response: &egui::Response, rect: Rect, session: &mut Session, pan: &mut Pan) {
+    let lens = session.zoom.lens(session.shot().size, session.viewport);
     let scroller = pan.scroller(ui);
     let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
     let (wheel, mut by) = match scroller {
@@ -143,7 +144,7 @@ fn scroll(ui: &Ui, (response, rect): (&egui::Response, Rect), (session, lens): (
     let pointer = response.hover_pos().map(|at| at - rect.min);
     let factor = f64::from(pinch) * f64::from(wheel / 240.0).exp();
     if let Some(at) = pointer.filter(|_| factor != 1.0) {
-        session.zoom = session.zoom.zoomed(lens, DVec2::new(at.x.into(), at.y.into()), factor);
+        session.zoom = session.zoom.zoomed(&lens, DVec2::new(at.x.into(), at.y.into()), factor);
         return;
     }
     by = if pointer.is_some() { by } else { vec2(0.0, 0.0) };
@@ -151,7 +152,7 @@ fn scroll(ui: &Ui, (response, rect): (&egui::Response, Rect), (session, lens): (
         by += response.drag_delta();
     }
     if by != vec2(0.0, 0.0) {
-        session.zoom = session.zoom.panned(lens, DVec2::new(by.x.into(), by.y.into()));
+        session.zoom = session.zoom.panned(&lens, DVec2::new(by.x.into(), by.y.into()));
     }
 }
 
