@@ -1,16 +1,7 @@
 //! Runs all stages for a shot over a range of frames: concurrent threads, progress events, cancellation, and errors per frame.
 //!
-//! In: a [`crate::shot::Shot`] and [`RenderOptions`]. Out: files, [`Event`]s during the run, and a [`Summary`].
-//!
-//! ```text
-//! once per shot   Shot ─prepare─▶ PreparedShot: scene, layer assignment, pin anchors, camera, clip
-//! once per time   PreparedShot ─evaluate─▶ TimeSample: pose ─▶ world layers ─▶ projection ─▶ screen layers
-//! once per layer  shape, pins ─factor─▶ Solver ─solve─▶ lattice         (the same for screen and world layers)
-//! once per frame  TimeSamples ─geometry thread─▶ passes ─draw─▶ Frame ─write─▶ files
-//! ```
-//!
-//! Frame N depends on the shot and on N alone: the caches that frames share hold only values that recomputation would
-//! reproduce bit for bit.
+//! In: a [`crate::shot::Shot`] and [`RenderOptions`]. Out: files, [`Event`]s during the run, and a [`Summary`]. Frame N depends
+//! on the shot and on N alone: the caches that frames share hold only values that recomputation would reproduce bit for bit.
 
 mod prepare;
 
@@ -98,6 +89,13 @@ pub(crate) use viewer::warped_still::WarpedStill;
 const QUEUED_FRAMES: usize = 1;
 
 /// Renders the requested frames on the requested device.
+///
+/// ```text
+/// once per shot   Shot ─prepare─▶ PreparedShot: scene, layer assignment, pin anchors, camera, clip
+/// once per time   PreparedShot ─evaluate─▶ TimeSample: pose ─▶ world layers ─▶ projection ─▶ screen layers
+/// once per layer  shape, pins ─factor─▶ Solver ─solve─▶ lattice         (the same for screen and world layers)
+/// once per frame  TimeSamples ─geometry thread─▶ passes ─draw─▶ Frame ─write─▶ files
+/// ```
 ///
 /// `on_event` is called from several threads. `cancel` ends the render after the frames in flight.
 ///

@@ -1,11 +1,5 @@
 //! The coordinate spaces of the program, with one type each, so that a point of one space cannot be passed for another.
 //!
-//! ```text
-//! scene  right-handed, y up, metres             ScenePoint, SceneVector   f32
-//! screen x right, y UP, unit = frame height     ScreenPoint, ScreenVector f64, (0,0) = lower left of the display window
-//! image  x right, y DOWN, pixels, as in files   ImagePoint                f64, pixel (i, j) has its centre at (i+.5, j+.5)
-//! ```
-//!
 //! [`FrameSize`] converts between screen and image, `uv_from_screen` and `screen_from_uv` between the screen and the UVs of a
 //! picture over the whole frame. Only STMaps and the coordinates of hosts flip y elsewhere (docs/CONVENTIONS.md).
 
@@ -48,7 +42,8 @@ pub struct ScreenPoint(pub DVec2);
 #[repr(transparent)]
 pub struct ScreenVector(pub DVec2);
 
-/// A point in image space: pixels, y down, origin at the upper left corner of the display window.
+/// A point in image space: pixels, y down, origin at the upper left corner of the display window, as in files. Pixel (i, j) has its
+/// centre at (i + ½, j + ½).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct ImagePoint(pub DVec2);

@@ -1,10 +1,6 @@
 //! Moves a layer's lattice from the screen into the scene, or back.
 //!
 //! In: a shot and its text, a layer, the marks of the frame. Out: the text, and what could not be kept.
-//!
-//! Pins keep what means the same in both spaces: offsets and targets in frame heights, and rotations about the view. What is measured
-//! in sizes of the box or in metres is converted as it is seen in the frame of the marks. Handles do not carry over, as their offsets
-//! are along the axes of another box.
 
 use crate::edit::track_keys::axes_of;
 use crate::pipeline::{LayerMarks, PinMark};
@@ -71,6 +67,10 @@ struct Moved<'a> {
 }
 
 /// Returns the text with a layer in another space, and what is not kept.
+///
+/// Pins keep what means the same in both spaces: offsets and targets in frame heights, and rotations about the view. What is measured
+/// in sizes of the box or in metres is converted as it is seen in the frame of the marks. Handles do not carry over, as their offsets
+/// are along the axes of another box.
 ///
 /// # Errors
 /// [`ShotError`] if the text cannot be edited.

@@ -1,14 +1,7 @@
-//! The native editor, `pinwarp edit`: interactive pinning.
+//! The native editor, `pinwarp edit`: interactive pinning (picture of the parts: docs/ARCHITECTURE.md).
 //!
 //! In: any file that can be opened. Out: a shot file with comments and order preserved; frames exactly as rendered. A
 //! front end of `shot` and `pipeline` without geometry or solver of its own.
-//!
-//! ```text
-//! pen, keys ─ui─▶ Session ─shot::edit─▶ Document: text, Shot, Commands ─▶ shot.toml, journal
-//!                    │  ▲
-//!                Job ▼  │ Reply: marks, quick picture, rendered frame
-//!             Worker: OpenShot ─▶ TimeSample ─▶ Frame
-//! ```
 
 mod axis_ring;
 mod channel_keys;

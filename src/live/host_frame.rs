@@ -1,12 +1,6 @@
 //! Conversion between the image coordinates of hosts with y up and our own; the only module that knows both.
 //!
 //! In: the host's points and rectangles. Out: ours, and the inverse.
-//!
-//! ```text
-//! canonical  x right, y up, square units of the full size, origin anywhere     parameters, regions
-//! pixels     x right, y up; x = canonical x · scale / pixel aspect             images, windows
-//! ours       screen points, and image space (y down), of the project's picture [`crate::space`]
-//! ```
 
 use crate::space::{FrameSize, PixelRect, ScreenPoint};
 
@@ -14,6 +8,12 @@ use crate::space::{FrameSize, PixelRect, ScreenPoint};
 const FURTHEST: f64 = 1e6;
 
 /// The project's picture at a render scale. Rectangles are given as left, lower, right and upper edge.
+///
+/// ```text
+/// canonical  x right, y up, square units of the full size, origin anywhere     parameters, regions
+/// pixels     x right, y up; x = canonical x · scale / pixel aspect             images, windows
+/// ours       screen points, and image space (y down), of the project's picture [`crate::space`]
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HostFrame {
     /// The picture in pixels at this scale; its pixel aspect accounts for different scales in x and y.

@@ -1,15 +1,7 @@
-//! The OpenFX plugin: pinwarp inside compositors that load `PinWarp.ofx.bundle`. An adapter without geometry of its
-//! own.
+//! The OpenFX plugin: pinwarp inside compositors that load `PinWarp.ofx.bundle`. An adapter without geometry of its own.
 //!
 //! In: actions of a host, with its clips and parameters. Out: pixels, regions and messages, computed by `crate::live`.
-//!
-//! ```text
-//! host ─action─▶ entry ─▶ describe                                 ─▶ clips, parameters
-//!                     ├─▶ regions, render ─ settings ─▶ crate::live ─▶ regions, pixels
-//!                     └─▶ changed, overlay                          ─▶ parameters, shot files, drawing
-//!
-//! api: the C declarations ─▶ host: what stands behind them, safely ─▶ all others
-//! ```
+//! Actions arrive in `entry`; `host` wraps the C declarations of `api` safely for all other files.
 
 #![expect(unsafe_code, reason = "OpenFX is a C API; safe wrappers around single calls, each with its SAFETY remark")]
 

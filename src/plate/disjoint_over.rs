@@ -1,10 +1,7 @@
 //! Composites layers with disjoint over: the transmittance of each layer, the remaining holes, and colour.
 //!
 //! In: a composite with maps, an alpha. Out: [`Occlusion`] (the transmittance of each layer, and holes), and planes of colour.
-//!
-//! Layers cut from one picture meet at its soft edges: where one has 0.7 of a pixel, the rest has 0.3. A layer
-//! therefore covers first the hole that it left (disjoint coverage in Porter and Duff, "Compositing Digital Images",
-//! 1984), and only the excess hides what is below. A layer that does not move thus reproduces the picture.
+//! Method: disjoint coverage in Porter and Duff, "Compositing Digital Images", 1984.
 
 use super::Planes;
 use super::composite::{Composite, WarpedLayer};
@@ -59,6 +56,9 @@ struct Shown {
 }
 
 /// Computes the occlusion in a composite. `alpha`: #pixels of the source, the alpha of its colour; `None`: opaque.
+///
+/// Layers cut from one picture meet at its soft edges: where one has 0.7 of a pixel, the rest has 0.3. A layer therefore covers first
+/// the hole that it left, and only the excess hides what is below. A layer that does not move thus reproduces the picture.
 pub(super) fn occlusion(composite: &Composite, alpha: Option<&[f32]>, by: Resampling) -> Occlusion {
     let mut filled = composite.holdout.as_ref().map(|holdout| not_held_out(composite, holdout, by));
     let mut transmittance = background(composite, (alpha, by), filled.as_mut());

@@ -1,14 +1,8 @@
 //! Moves points to their targets by a sequence of small one-to-one pushes.
 //!
 //! In: pins with targets, and the box whose border is fixed. Out: a map of the plane and its inverse, both exact
-//! (docs/METHOD.md, "Whole pictures").
-//!
-//! ```text
-//! push:   x ↦ x + s φ(|x − c|²/r²),   φ(q) = (1 − q)³ for q < 1, else 0      (C2; |∇φ| ≤ SLOPE / r)
-//! ```
-//!
-//! With |s| SLOPE ≤ STEEP r and STEEP < 1 a push maps its disc one-to-one onto itself. The discs of one step do not
-//! overlap, so the composition of all pushes is one-to-one for any pins.
+//! (docs/METHOD.md, "Whole pictures"). The discs of one step do not overlap, so the composition of all pushes is one-to-one
+//! for any pins.
 
 use super::swirl::Swirl;
 use crate::space::ScreenBox;
@@ -52,7 +46,13 @@ pub(super) struct FlowPin {
     pub(super) turn: [f64; 2],
 }
 
-/// A translation that falls off to 0 at the rim of a disc.
+/// A translation that falls off to 0 at the rim of a disc:
+///
+/// ```text
+/// x ↦ x + s φ(|x − c|²/r²),   φ(q) = (1 − q)³ for q < 1, else 0      (C2; |∇φ| ≤ SLOPE / r)
+/// ```
+///
+/// With |s| SLOPE ≤ STEEP r and STEEP < 1 it maps its disc one-to-one onto itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Push {
     center: DVec2,

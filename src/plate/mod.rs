@@ -1,11 +1,7 @@
 //! Stage 7b: warps finished frames of any renderer as pictures, each channel according to its semantic.
 //!
-//! In: a [`Plate`](crate::image::Plate) and solved screen lattices. Out: the warped plate.
-//!
-//! ```text
-//! Lattice ─field─▶ Field ─map─▶ WarpMap ─┬─ filter (colour) ──────────────────┐
-//!                        Matte ─weight───┴─ cryptomatte, nearest, motion … ───┴─▶ Plate
-//! ```
+//! In: a [`Plate`](crate::image::Plate) and solved screen lattices. Out: the warped plate. Lattices become a field, the field a
+//! map; colour is filtered through it, and what cannot be blended (ids, depth, motion) is sampled.
 
 mod channel_table;
 mod color_layers;

@@ -1,13 +1,6 @@
 //! A disc that rotates and scales about its centre and is fixed at its rim.
 //!
 //! In: centre, radius, angle and logarithm of the scale at the centre. Out: a map of the plane and its inverse.
-//!
-//! ```text
-//! x ↦ c + exp((ln σ + i θ) φ(q)) (x − c),   q = |x − c|²/r²,  φ(q) = (1 − q)³ for q < 1, else 0
-//! ```
-//!
-//! Rotation is one-to-one for any θ, since it preserves circles. Scaling is one-to-one while |ln σ| u |dφ/du| ≤ |ln σ|
-//! 8/9 < 1 (u² = q, with the maximum at u² = 1/3), so large scales are split into steps.
 
 use glam::{DMat2, DVec2};
 
@@ -16,7 +9,14 @@ const MAX_SWELL: f64 = 0.5;
 /// Maximum number of Newton steps of an inverse.
 const MAX_NEWTON: usize = 40;
 
-/// One step.
+/// One step:
+///
+/// ```text
+/// x ↦ c + exp((ln σ + i θ) φ(q)) (x − c),   q = |x − c|²/r²,  φ(q) = (1 − q)³ for q < 1, else 0
+/// ```
+///
+/// Rotation is one-to-one for any θ, since it preserves circles. Scaling is one-to-one while |ln σ| u |dφ/du| ≤ |ln σ|
+/// 8/9 < 1 (u² = q, with the maximum at u² = 1/3), so large scales are split into steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Swirl {
     center: DVec2,

@@ -1,11 +1,9 @@
 //! The warp of a whole picture with a fixed border: the smooth part of a lattice, followed by a flow that moves the
 //! pins to their targets.
 //!
-//! In: a lattice solved with compliant pins, the pins. Out: the parts of a [`Field`](super::Field) (docs/METHOD.md, "Whole pictures").
-//!
-//! ```text
-//! x ↦ flow(x + α w(x) L(x)),   L: displacement of the lattice,  w: 0 at the border,  α: 0 to 1
-//! ```
+//! In: a lattice solved with compliant pins, the pins. Out: the parts of a [`Field`](super::Field):
+//! x ↦ flow(x + α w(x) L(x)), where L is the displacement of the lattice, w is 0 at the border and α 0 to 1
+//! (docs/METHOD.md, "Whole pictures").
 
 use super::extrapolation::ExtrapolatedLattice;
 use super::flow::{Flow, FlowPin};

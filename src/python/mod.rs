@@ -2,11 +2,6 @@
 //!
 //! In: Python values. Out: the library's results. Nothing is computed here; the library works on a separate thread
 //! without the GIL, while the calling thread reports progress, polls for cancellation and handles Ctrl-C.
-//!
-//! ```text
-//! numpy ─arrays, image─▶ plain data ─work─▶ the library ─▶ plain data ─arrays, frame─▶ numpy
-//! ```
-//!
 //! Usage: `docs/PYTHON.md`. The part written in Python: `src/python/pinwarp/`.
 
 mod arrays;

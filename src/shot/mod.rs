@@ -1,10 +1,7 @@
 //! Stage 5: parses `shot.toml` into a validated [`Shot`], edits its text, and evaluates keys at a time.
 //!
-//! In: a file. Out: plain data, with every rule checked that does not require the scene; and [`PinTargets`] at a time.
-//!
-//! ```text
-//! text ─document─▶ tree with lines ─structure (the schema)─▶ raw ─check─▶ Shot ─keys─▶ PinTargets
-//! ```
+//! In: a file. Out: plain data, with every rule checked that does not require the scene; and [`PinTargets`] at a time. The text
+//! becomes a tree with lines, the schema checks its structure, and `check` its values.
 
 mod camera;
 mod check;

@@ -1,10 +1,8 @@
 //! Newton's method with conjugate gradients, for lattices in 3D, whose second derivative has too wide a band to be factored.
 //!
-//! In: a state near the solution. Out: converged handles. Each step solves with the second derivative by conjugate gradients,
-//! preconditioned by the factor of the local-global steps and projected onto directions that move no hard pin (N. Gould, M.
-//! Hribar and J. Nocedal, "On the Solution of Equality Constrained Quadratic Programming Problems Arising in Optimization",
-//! 2001). The first direction is the local-global step itself. A direction of negative curvature ends the solve (T. Steihaug,
-//! "The Conjugate Gradient Method and Trust Regions in Large Scale Optimization", 1983).
+//! In: a state near the solution. Out: converged handles. Directions are projected (N. Gould, M. Hribar and J. Nocedal, "On the
+//! Solution of Equality Constrained Quadratic Programming Problems Arising in Optimization", 2001), and negative curvature ends a solve
+//! (T. Steihaug, "The Conjugate Gradient Method and Trust Regions in Large Scale Optimization", 1983).
 
 use super::cancel::Cancelled;
 use super::energy::{RotationResponse, ScaledDirection};
@@ -61,7 +59,10 @@ impl<const D: usize> Minimization<'_, D> {
         is_wanted && step > rest && (number >= FIRST_STEPS || step <= NEAR * self.diagonal)
     }
 
-    /// Continues from `handles`. `iterations` is the number of linear solves so far; each step counts as one, up to `limit`.
+    /// Continues from `handles`. Each step solves with the second derivative by conjugate gradients, preconditioned by the factor of the
+    /// local-global steps and projected onto directions that move no hard pin; the first direction is the local-global step itself.
+    ///
+    /// `iterations` is the number of linear solves so far; each step counts as one, up to `limit`.
     /// Returns `None` if the energy does not implement its second derivative in 3D. `notify` receives every iterate and the result.
     pub(crate) fn newton_in_space(
         &self,

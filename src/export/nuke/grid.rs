@@ -1,10 +1,7 @@
 //! Writes a lattice as the grids of Nuke's GridWarp3.
 //!
-//! In: screen lattices by frame. Out: the two grid knobs: points and Bézier handles, keyed over the frames.
-//!
-//! The syntax was inferred from scripts that Nuke and trackers wrote: "1 columns rows 4 1 0", then one line per point
-//! from the bottom: its position, then handles up, down, right, left relative to it; `{2 x y}` is constant, `{1 {curve
-//! ..} ..}` is keyed. The result has not been opened in Nuke.
+//! In: screen lattices by frame. Out: the two grid knobs: points and Bézier handles, keyed over the frames. The syntax was
+//! inferred from scripts that Nuke and trackers wrote; the result has not been opened in Nuke.
 
 use crate::lattice::{Grid, Lattice};
 use crate::space::{FrameSize, ScreenPoint, ScreenVector};
@@ -23,7 +20,10 @@ pub(super) enum Side {
     Destination,
 }
 
-/// Returns the value of a grid knob. The grid lines lie at the boundaries of the lattice's spans, and the border of a
+/// Returns the value of a grid knob: "1 columns rows 4 1 0", then one line per point from the bottom: its position, then handles up,
+/// down, right, left relative to it; `{2 x y}` is constant, `{1 {curve ..} ..}` is keyed.
+///
+/// The grid lines lie at the boundaries of the lattice's spans, and the border of a
 /// span is a cubic with the ends and slopes of the lattice: along lines of B-splines both agree exactly. Between the
 /// lines Nuke interpolates in its own way.
 pub(super) fn grid_knob(lattices: &BTreeMap<i32, Lattice<2>>, frame: FrameSize, side: Side) -> String {

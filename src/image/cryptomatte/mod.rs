@@ -3,10 +3,6 @@
 //! In: names, shares of pixels; channels and attributes of other programs. Out: ids, ranks, manifests, and the inverse.
 //! Friedman and Jones, "Fully automatic ID mattes with support for motion blur and transparency", SIGGRAPH 2015
 //! posters; Cryptomatte Specification 1.2.0, github.com/Psyop/Cryptomatte.
-//!
-//! ```text
-//! CryptoObject00.R = id of rank 0, .G = its coverage;  .B = id of rank 1, .A = its coverage;  CryptoObject01.R …
-//! ```
 
 mod hash;
 mod header;
@@ -25,4 +21,8 @@ pub(crate) use ranks::IdCoverage;
 pub(super) use side::take_in_manifests;
 
 /// Number of ranks that the specification suggests: three RGBA layers.
+///
+/// ```text
+/// CryptoObject00.R = id of rank 0, .G = its coverage;  .B = id of rank 1, .A = its coverage;  CryptoObject01.R …
+/// ```
 pub(crate) const USUAL_RANKS: usize = 6;

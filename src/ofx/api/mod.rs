@@ -1,11 +1,8 @@
-//! The part of the OpenFX C API that this plugin and its test host use: handles, struct layouts, names and status
-//! codes. The test host includes these files, as it knows the plugin by its C functions only.
+//! The part of the OpenFX C API that this plugin and its test host use: handles, struct layouts, names and status codes.
 //!
-//! In: nothing. Out: declarations only; no code runs here.
-//!
-//! Written by hand from the OpenFX headers 1.4 and 1.5 (The Open Effects Association and contributors, BSD-3-Clause,
-//! <https://github.com/AcademySoftwareFoundation/openfx>): names, values and layouts are theirs, the documentation is
-//! ours.
+//! In: nothing. Out: declarations only; no code runs here. Written by hand from the OpenFX headers 1.4 and 1.5 (The Open Effects
+//! Association and contributors, BSD-3-Clause, <https://github.com/AcademySoftwareFoundation/openfx>): names, values and layouts are
+//! theirs. The test host includes these files, as it knows the plugin by its C functions only.
 
 mod handle;
 pub(crate) mod names;

@@ -1,11 +1,7 @@
 //! Warps finished frames: one plate is read while the previous one is warped and the one before that is written.
 //!
-//! In: a [`WarpJob`]. Out: files, [`WarpEvent`]s during the run, and a [`WarpSummary`].
-//!
-//! ```text
-//! thread 1: read, decode ──Loaded──▶ this thread: solve, warp ──Warped──▶ thread 2: encode, write
-//! ```
-//! The channels between the threads have no buffer, so at most four plates are in memory, however long the sequence is.
+//! In: a [`WarpJob`]. Out: files, [`WarpEvent`]s during the run, and a [`WarpSummary`]. The channels between the threads
+//! have no buffer, so at most four plates are in memory, however long the sequence is.
 
 mod at_rest;
 mod default_mattes;

@@ -2,11 +2,6 @@
 //!
 //! In: the windows of the picture and of the display. Out: for each side whether the picture continues there, and how
 //! much of an output pixel it covers.
-//!
-//! A side inside the display window is a crop: samples beyond it are 0. At a side on (or beyond: overscan) the
-//! display's edge the scene continues: filters repeat the last sample, so that a border at rest does not darken, and
-//! the cut is drawn as an edge one pixel soft. Where the warp magnifies, that is a pixel of the result: a border that
-//! rests beside what is stretched does not darken either. A border counts as resting within [`RESTING`].
 
 use crate::plate::WarpMap;
 use crate::space::PixelRect;
@@ -61,8 +56,13 @@ impl Extent {
     }
 }
 
-/// Returns how much of an output pixel, at (column, row) of the map and `sample + fraction` of the picture, lies inside the sides where the picture continues, 0 to 1:
-/// exactly 1 where the border counts as resting, from there on continuous.
+/// Returns how much of an output pixel, at (column, row) of the map and `sample + fraction` of the picture, lies inside the sides
+/// where the picture continues, 0 to 1: exactly 1 where the border counts as resting, from there on continuous.
+///
+/// A side inside the display window is a crop: samples beyond it are 0. At a side on (or beyond: overscan) the display's edge the
+/// scene continues: filters repeat the last sample, so that a border at rest does not darken, and the cut is drawn as an edge one
+/// pixel soft. Where the warp magnifies, that is a pixel of the result: a border that rests beside what is stretched does not darken
+/// either. A border counts as resting within [`RESTING`].
 #[inline(always)]
 pub(super) fn coverage(
     extents: &[Extent; 2],

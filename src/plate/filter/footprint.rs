@@ -1,11 +1,7 @@
 //! The footprint of an output pixel in the source: the amount and direction in which the warp minifies.
 //!
-//! In: the offsets around a pixel. Out: the linear map from source distances to filter distances.
-//!
-//! A round pixel becomes an ellipse with J Jᵀ, J = d source / d output (P. Heckbert, "Fundamentals of Texture Mapping
-//! and Image Warping", 1989, chapter 3). Its axes are clamped to 1 or more, so that magnified samples are interpolated,
-//! not blurred: H = max(1, √(J Jᵀ)) by eigenvalues, and the filter is evaluated at H⁻¹ (source − position). H = 1 for
-//! rotation, translation and magnification.
+//! In: the offsets around a pixel. Out: the linear map from source distances to filter distances. A round pixel becomes an
+//! ellipse (P. Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, chapter 3).
 
 use super::simd::LANES;
 use crate::plate::WarpMap;
@@ -20,6 +16,10 @@ const MIN_MINIFICATION: f32 = 1.02;
 const TEAR: f32 = 0.5;
 
 /// The linear map from source distances to filter distances.
+///
+/// The ellipse of a pixel is J Jᵀ, with J = d source / d output. Its axes are clamped to 1 or more, so that magnified samples are
+/// interpolated, not blurred: H = max(1, √(J Jᵀ)) by eigenvalues, and the filter is evaluated at H⁻¹ (source − position). H = 1 for
+/// rotation, translation and magnification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
     /// H⁻¹: xx, xy = yx, yy.

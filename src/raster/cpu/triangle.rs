@@ -2,12 +2,6 @@
 //!
 //! In: vertices in window pixels (y down). Out: [`Triangle`]s, culled, clipped to the guard band, bounded by the
 //! window.
-//!
-//! ```text
-//!   window pixels, y down      snapped to 1/256 px            edge from p to q, inside E >= 0
-//!   (0,0)──▶ x                 E(x, y) = a·x + b·y + c        a = p.y − q.y, b = q.x − p.x
-//!     ▼ y                      pixel (i, j) sampled at (i + ½, j + ½)
-//! ```
 
 use crate::raster::window::{GUARD_BAND, SUBPIXELS, is_in_guard_band, snap};
 use glam::{DVec2, IVec2};
@@ -33,6 +27,12 @@ impl WindowVertex {
 }
 
 /// An edge function in whole pixels: E(i, j) = a·i + b·j + c; E ≥ 0 inside and on owned edges.
+///
+/// ```text
+///   window pixels, y down      snapped to 1/256 px            edge from p to q, inside E >= 0
+///   (0,0)──▶ x                 E(x, y) = a·x + b·y + c        a = p.y − q.y, b = q.x − p.x
+///     ▼ y                      pixel (i, j) sampled at (i + ½, j + ½)
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Edge {
     pub(super) a: i32,

@@ -1,10 +1,7 @@
 //! Pins under the barrier: each holds with a limited force, and gives way where the barrier would need more.
 //!
-//! In: rows of pins and moved handles, with multipliers λ. Out: an energy that replaces w‖C P − d‖², and its derivatives. A row
-//! acts as w‖s‖², s = C P − d + λ/w, up to the force w‖s‖ = L, and as 2 L‖s‖ − L²/w beyond (P. Huber, "Robust Estimation of a
-//! Location Parameter", 1964). If λ is then set to the force, limited to L, this is the method of multipliers for L‖C P − d‖ (R.
-//! T. Rockafellar, "Augmented Lagrangians and Applications of the Proximal Point Algorithm in Convex Programming", 1976), under
-//! which a row is met exactly with any force below L. Derivatives are halved, as in the matrices.
+//! In: rows of pins and moved handles, with multipliers λ. Out: an energy that replaces w‖C P − d‖², and its derivatives, which are
+//! halved, as in the matrices.
 
 use crate::solve::least_squares::LeastSquaresRows;
 use crate::solve::linalg::normal_matrix::NormalMatrix;
@@ -14,6 +11,11 @@ use crate::solve::minimization::Minimization;
 const FORCE: f64 = 10.0;
 
 /// A row with its multiplier and force limit.
+///
+/// It acts as w‖s‖², s = C P − d + λ/w, up to the force w‖s‖ = L, and as 2 L‖s‖ − L²/w beyond (P. Huber, "Robust Estimation of a
+/// Location Parameter", 1964). If λ is then set to the force, limited to L, this is the method of multipliers for L‖C P − d‖ (R.
+/// T. Rockafellar, "Augmented Lagrangians and Applications of the Proximal Point Algorithm in Convex Programming", 1976), under
+/// which a row is met exactly with any force below L.
 #[derive(Clone, Debug)]
 struct Reaction<const D: usize> {
     /// Index among the rows of the pins, followed by those of the moved handles.

@@ -1,11 +1,8 @@
-//! Branching lattices: parts of a shape that are close in space but far apart along the shape get separate copies of the handles
-//! that they share.
+//! Branching lattices: parts of a shape that are close in space but far apart along it get separate copies of the handles they share.
 //!
-//! In: a grid and a shape at rest. Out: a [`Branching`]: the copies, which are the unknowns of a solve, the terms over them, and
-//! the branches, each of which is a plain lattice over a part of the shape. For each handle the shape inside its open support is
-//! split into connected components (pieces), and each of these gets its own copy of the handle (J. Molino et al., "A Virtual Node
-//! Algorithm for Changing Mesh Topology During Simulation", 2004; M. Nesme et al., "Preserving Topology and Elasticity for
-//! Embedded Deformable Models", 2009). docs/METHOD.md, "Branching lattices", has the proofs, and what sets these lattices apart.
+//! In: a grid and a shape at rest. Out: a [`Branching`]: copies, the terms over them, and branches. Method: docs/METHOD.md,
+//! "Branching lattices"; J. Molino et al., "A Virtual Node Algorithm for Changing Mesh Topology During Simulation", 2004; M. Nesme
+//! et al., "Preserving Topology and Elasticity for Embedded Deformable Models", 2009.
 
 mod adjacency;
 mod along_shape;

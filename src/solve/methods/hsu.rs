@@ -1,10 +1,8 @@
 //! Direct manipulation: the smallest change of the handles that moves the pins to their targets.
 //!
-//! W. M. Hsu, J. F. Hughes, H. Kaufman, "Direct manipulation of free-form deformations", SIGGRAPH 1992,
-//! <https://doi.org/10.1145/133994.134036>, in the form in which the authors of lp-FFD compare it: as least squares, with their
-//! E_gr (equation 8).
-//!
-//! In: grid and pins; the shape is not used. Out: handles.
+//! In: grid and pins; the shape is not used. Out: handles. W. M. Hsu, J. F. Hughes, H. Kaufman, "Direct manipulation of free-form
+//! deformations", SIGGRAPH 1992, <https://doi.org/10.1145/133994.134036>, in the form in which the authors of lp-FFD compare it: as
+//! least squares, with their E_gr (equation 8).
 
 use super::constraint_rows;
 use super::least_squares;

@@ -1,10 +1,8 @@
-//! Rigid moving least squares (MLS), applied to the handles of the grid.
+//! Rigid moving least squares (MLS), applied to the handles of the grid. In: grid and pins. Out: handles.
 //!
 //! S. Schaefer, T. McPhail, J. Warren, "Image deformation using moving least squares", SIGGRAPH 2006,
 //! <https://doi.org/10.1145/1179352.1141920>; in 3D: Y. Zhu, S. J. Gortler, "3D deformation using moving least squares", 2007. As
 //! in the comparison of lp-FFD, MLS moves each handle as a point; the shape is not used.
-//!
-//! In: grid and pins. Out: handles.
 
 use super::{Deformed, Deformer};
 use crate::lattice::Lattice;

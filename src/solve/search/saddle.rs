@@ -1,10 +1,8 @@
 //! Second-order check of a stationary state, and the direction of descent from a saddle.
 //!
 //! In: a state at which the energy is stationary. Out: whether it is a minimum; a displacement along which the energy falls. The
-//! direction of least curvature relative to the constant matrix K minimises ⟨v, H v⟩/⟨v, K v⟩ by locally optimal conjugate
-//! gradients preconditioned by K, over directions that move no hard pin (A. Knyazev, "Toward the Optimal Preconditioned
-//! Eigensolver", 2001). As H = K − G with G ≥ 0, the quotient is close to 1 for all but the soft directions, and the steps
-//! converge fast.
+//! direction of least curvature is found by locally optimal preconditioned conjugate gradients (A. Knyazev, "Toward the Optimal
+//! Preconditioned Eigensolver", 2001).
 
 use crate::solve::cancel::Cancelled;
 use crate::solve::energy::RotationHessian;
@@ -31,6 +29,10 @@ const HALVINGS: usize = 12;
 type Vectors<const D: usize> = Vec<[f64; D]>;
 
 /// A direction with its products with K and H.
+///
+/// The direction of least curvature relative to the constant matrix K minimises ⟨v, H v⟩/⟨v, K v⟩ over directions that move no hard
+/// pin; K preconditions. As H = K − G with G ≥ 0, the quotient is close to 1 for all but the soft directions, and the steps converge
+/// fast.
 #[derive(Clone)]
 struct Direction<const D: usize> {
     by: Vectors<D>,

@@ -2,16 +2,6 @@
 //! points.
 //!
 //! In: problems at the times of the knots. Out: the states of the knots and the weights ω.
-//!
-//! A forward pass solves every knot from the state of the previous one. Block Gauss-Seidel sweeps in red-black order then minimise
-//! the sum, so that the motion does not lag behind the pins. A block is a hold: consecutive knots with one problem, which share a
-//! state. Blocks of one colour have fixed neighbours, so all of them are solved at once (Y. Saad, "Iterative Methods for Sparse
-//! Linear Systems", 2003, section 12.4.1). Long chains are solved in overlapping windows: the first half of a window becomes final,
-//! the second half is solved again with the knots that follow.
-//!
-//! ω_k starts as the user's weight. Where the model moves farther between two knots than the motion of pins, surface and rigid fit
-//! allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed limit (J. Nocedal and S. Wright,
-//! "Numerical Optimization", 2006, section 17.4).
 
 use super::displacement::Displacement;
 use super::interior::Interior;
@@ -66,6 +56,16 @@ const MAX_SPEED_WEIGHT_FACTOR: f64 = 1e5;
 const GROWTH: [f64; 2] = [1.5, 30.0];
 
 /// A window of knots, coupled by the weights of the intervals between them.
+///
+/// A forward pass solves every knot from the state of the previous one. Block Gauss-Seidel sweeps in red-black order then minimise
+/// the sum, so that the motion does not lag behind the pins. A block is a hold: consecutive knots with one problem, which share a
+/// state. Blocks of one colour have fixed neighbours, so all of them are solved at once (Y. Saad, "Iterative Methods for Sparse
+/// Linear Systems", 2003, section 12.4.1). Long chains are solved in overlapping windows: the first half of a window becomes final,
+/// the second half is solved again with the knots that follow.
+///
+/// ω_k starts as the user's weight. Where the model moves farther between two knots than the motion of pins, surface and rigid fit
+/// allows, ω is raised over enough intervals for that move: it acts as the multiplier of a speed limit (J. Nocedal and S. Wright,
+/// "Numerical Optimization", 2006, section 17.4).
 pub(crate) struct Chain<'a, const D: usize> {
     pub(crate) knots: Vec<Option<Knot<D>>>,
     /// ω of each interval, per squared unit of the space.

@@ -2,10 +2,6 @@
 //!
 //! In: shares of the vertices of a mesh, 0 to 1. Out: shares that pass from 0 to 1 over at least a given distance along
 //! the surface; unchanged where they already vary slowly.
-//!
-//! The result is the mean of the least majorant and the greatest minorant of limited slope (Pasch-Hausdorff envelopes),
-//! which leaves soft transitions alone and keeps the middle of a hard border in place. The ramp across it is eased in
-//! and out.
 
 use super::mesh_graph::MeshGraph;
 use std::cmp::Reverse;
@@ -15,6 +11,9 @@ use std::collections::BinaryHeap;
 const ROUNDING: f32 = 1e-5;
 
 /// Softens the shares of a graph's vertices over a width in metres.
+///
+/// The result is the mean of the least majorant and the greatest minorant of limited slope (Pasch-Hausdorff envelopes), which leaves
+/// soft transitions alone and keeps the middle of a hard border in place. The ramp across it is eased in and out.
 pub(super) fn soften(graph: &MeshGraph, shares: &[f32], width: f32) -> Vec<f32> {
     if width.is_nan() || width <= 0.0 || shares.iter().all(|share| *share == shares[0]) {
         return shares.to_vec();
