@@ -50,6 +50,7 @@ pub(crate) struct Reservation {
 }
 
 /// Sets the limit of this process, which applies from the next check or reservation on.
+#[cfg(any(test, feature = "cli", feature = "ofx"))]
 pub(crate) fn set_limit(limit: MemoryLimit) {
     LIMIT.store(limit.bytes().max(1), Ordering::Relaxed);
 }

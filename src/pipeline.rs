@@ -39,11 +39,15 @@ pub(crate) use evaluate::screen_layer::{LayerSolver, LayerTask};
 pub use evaluate::time_sample::{LayerState, TimeSample, WorldSolution};
 pub(crate) use evaluate::time_sample::{PinState, ScenePin};
 pub(crate) use evaluate::topology::branching_key;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use interchange::bake::BakeTimes;
 pub use interchange::lattice_tracks::lattices;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use interchange::layer_problem::layer_problem;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use interchange::registration::layer_shape;
 pub use interchange::registration::{Registration, picture_shape, register};
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use plates::Silhouette;
 pub use plates::{PlateWarp, SurfaceMaps, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary, warp_frames};
 pub use prepare::anchors::PinAnchor;
@@ -57,6 +61,7 @@ pub use run::events::{Event, FrameReport, Redone, Summary};
 pub(crate) use run::events::{Jerk, LayerNote, LayerReport};
 pub use run::options::Existing;
 pub use run::options::RenderOptions;
+#[cfg(any(test, feature = "cli", feature = "ofx"))]
 pub(crate) use run::output::input_files;
 pub use run::pause::Pause;
 #[cfg(feature = "cli")]
@@ -65,23 +70,36 @@ pub(crate) use run::resume::{Todo, refuse_existing};
 pub(crate) use run::sequence_report::{LayerPeaks, Peak, SequenceReport};
 #[cfg(feature = "cli")]
 pub(crate) use trajectories::solve_ahead::solve_before_frames;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use trajectories::solve_ahead::{BakeEvent, BakeSummary, BakedLayer, solve_ahead};
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use trajectories::trajectory_files::Keeping;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use viewer::brush_point::{BrushPoint, PaintedPlace};
+#[cfg(any(test, feature = "editor"))]
+pub(crate) use viewer::draft::Draft;
 #[cfg(feature = "editor")]
 pub(crate) use viewer::held_points::PinTurn;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use viewer::layer_marks::{LayerMarks, PinMark};
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use viewer::layer_marks::{layer_marks, resting_marks};
 #[cfg(feature = "editor")]
 pub(crate) use viewer::layer_offers::LayerOffer;
 #[cfg(feature = "editor")]
 pub(crate) use viewer::layer_shift::LayerShift;
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 pub(crate) use viewer::new_shot::{NewShot, new_shot, path_between};
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use viewer::open_shot::{OpenShot, Rework};
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 pub(crate) use viewer::picked_point::PickedPoint;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use viewer::problem_shot::{ProblemShot, problem_shot};
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use viewer::stiff_triangles::StiffTriangle;
-pub(crate) use viewer::still::{Device, Draft};
+#[cfg(any(test, feature = "editor", feature = "python"))]
+pub(crate) use viewer::still::Device;
 #[cfg(feature = "editor")]
 pub(crate) use viewer::warped_still::WarpedStill;
 

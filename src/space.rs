@@ -171,6 +171,7 @@ impl FrameSize {
     }
 
     /// Scales the frame, rounding each side to whole pixels, at least one.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let scaled = |length: u32| ((f64::from(length) * factor).round() as u32).max(1);

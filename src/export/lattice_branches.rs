@@ -55,6 +55,7 @@ impl LatticeBranches {
     }
 
     /// Returns the same regions with other lattices, one per branch.
+    #[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands call it"))]
     #[must_use]
     pub(crate) fn with_lattices(&self, lattices: Vec<ScreenLattice>) -> Self {
         let branch = |(lattice, branch): (ScreenLattice, &LatticeBranch)| LatticeBranch {

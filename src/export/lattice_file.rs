@@ -102,6 +102,7 @@ impl LatticeFile {
     }
 
     /// Returns only the given frames; `None` if no layer has any of them.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) fn of_frames(mut self, frames: &[i32]) -> Option<Self> {
         for layer in &mut self.layers {

@@ -6,6 +6,7 @@
 mod atomic;
 mod channels;
 mod closed_regions;
+#[cfg(any(test, feature = "cli"))]
 mod codes;
 mod complete;
 #[cfg(feature = "cli")]
@@ -49,6 +50,7 @@ pub use atomic::{Destination, Durability};
 pub(crate) use atomic::{remove_stale, replace_bytes, replace_text};
 pub use channels::{ChannelGroup, ChannelSpec};
 pub(crate) use closed_regions::{Drawing, LineRule};
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use codes::write_codes;
 pub use complete::is_complete;
 #[cfg(feature = "cli")]
@@ -79,7 +81,9 @@ pub(crate) use preview::write_frame_preview;
 pub use preview::{Preview, png_bytes, preview, write_png};
 pub(crate) use sequence::{SequencePath, without_counter};
 pub use size::picture_size;
-pub(crate) use size::{PictureExtent, picture_extent, plate_size, sequence_size};
+#[cfg(any(test, feature = "cli"))]
+pub(crate) use size::sequence_size;
+pub(crate) use size::{PictureExtent, picture_extent, plate_size};
 
 use crate::space::PixelRect;
 

@@ -159,6 +159,7 @@ impl PlatePart {
     }
 
     /// Returns OpenEXR's name of the compression: `zip`.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) fn compression(&self) -> String {
         match self.encoding.compression {

@@ -83,6 +83,7 @@ impl SequencePath {
     }
 
     /// Returns the common name of the frames: the file name without counter, preceding separators and extension.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) fn stem(&self) -> String {
         let stem = self.pattern.file_stem().unwrap_or_default().to_string_lossy();

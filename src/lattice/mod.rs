@@ -7,6 +7,7 @@ mod basis;
 mod bezier;
 mod display;
 mod error;
+#[cfg(any(test, feature = "cli"))]
 mod fit;
 mod folds;
 mod folds_in_part;

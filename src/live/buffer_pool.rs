@@ -38,6 +38,7 @@ pub(crate) fn recycle_planes(planes: impl IntoIterator<Item = Vec<f32>>) {
 }
 
 /// Frees all pooled planes.
+#[cfg(any(test, feature = "ofx"))]
 pub(super) fn purge() {
     POOL.lock().unwrap_or_else(PoisonError::into_inner).clear();
 }

@@ -110,11 +110,13 @@ impl<V> Cache<V> {
     }
 
     /// Removes all values. Values that are still being computed will not be cached.
+    #[cfg(any(test, feature = "ofx"))]
     pub(super) fn clear(&self) {
         self.locked().slots.clear();
     }
 
     /// Returns the value of a key if it is cached and ready.
+    #[cfg(any(test, feature = "ofx"))]
     pub(super) fn peek(&self, key: Key) -> Option<Arc<V>> {
         let place = self.locked().slots.get(&key).map(|slot| Arc::clone(&slot.value))?;
         place.try_lock().ok()?.clone()

@@ -106,6 +106,7 @@ impl Default for Controls {
 
 impl Controls {
     /// Whether nothing moves, as far as is known without a solve; ignores a shot's own pins.
+    #[cfg(any(test, feature = "ofx"))]
     #[must_use]
     pub(crate) fn is_at_rest(&self) -> bool {
         let moves = |pin: &Pin| {

@@ -79,6 +79,7 @@ impl ProcessCache {
     }
 
     /// Frees everything except the few warps used to draw handles, which cannot be recomputed without a render.
+    #[cfg(any(test, feature = "ofx"))]
     pub(super) fn purge(&self) {
         let Self { shots, files_beside, scenes, solvers, casts, warps, shown_warps: _, maps, regions, part_windows } =
             self;

@@ -29,6 +29,7 @@ pub(super) fn around(frame: FrameSize) -> PixelRect {
 impl Warp {
     /// Returns the region of definition: every output pixel that a picture of this window may affect. Limited to the
     /// frame extended by its own size on every side, unless the window itself reaches further.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin calls it"))]
     #[must_use]
     pub(crate) fn destination_of(&self, window: PixelRect, frame: FrameSize) -> PixelRect {
         if self.is_identity() || window.area() == 0 {
@@ -47,6 +48,7 @@ impl Warp {
 
     /// Returns the region of interest: every source pixel that affects the pixels of `window`, including the support of
     /// the filter. With a mask the part at rest is also needed: add the window itself.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin calls it"))]
     #[must_use]
     pub(crate) fn source_of(&self, window: PixelRect, frame: FrameSize, filter: Filter) -> PixelRect {
         if self.is_identity() || window.area() == 0 {

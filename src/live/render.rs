@@ -45,6 +45,7 @@ pub(crate) fn render(warp: &Warp, job: &Render) -> Result<Vec<Vec<f32>>, LiveErr
 ///
 /// # Errors
 /// As [`render`].
+#[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin calls it"))]
 pub(crate) fn render_mean(warps: &[Arc<Warp>], job: &Render) -> Result<Vec<Vec<f32>>, LiveError> {
     job.check()?;
     let is_straight = job.source.alpha == Alpha::Straight;

@@ -3,6 +3,7 @@
 //! In: [`Controls`], a [`ShapeSource`], the frame. Out: a [`Warp`]. Solvers are always prepared from pins at rest, so
 //! that a warp is bit-identical whatever was solved before.
 
+#[cfg(any(test, feature = "ofx"))]
 use super::base_scene::BaseScene;
 use super::driven_layer::{Goals, check_controls, driven_layer};
 use super::key::{Key, KeyWriter};
@@ -82,6 +83,7 @@ fn aborted(error: PipelineError) -> LiveError {
 
 /// Returns the latest [`warp`] of these controls over a picture's alpha, of any size, for hosts that have no pixels
 /// while they draw handles; `None` if there was none recently.
+#[cfg(any(test, feature = "ofx"))]
 #[must_use]
 pub(crate) fn last_of_alpha(controls: &Controls) -> Option<Arc<Warp>> {
     CACHE.shown_warps.peek(shown_key(controls))
@@ -95,6 +97,7 @@ fn shown_key(controls: &Controls) -> Key {
 ///
 /// # Errors
 /// [`LiveError`] if it cannot be loaded, or has another aspect ratio.
+#[cfg(any(test, feature = "ofx"))]
 pub(super) fn base(shape: &ShapeSource, frame: FrameSize) -> Result<Arc<BaseScene>, LiveError> {
     if let ShapeSource::Shot(shot) = shape {
         check_aspect(shot, frame)?;

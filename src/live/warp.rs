@@ -21,14 +21,18 @@ pub struct Warp {
     /// The solved lattice, at rest where nothing moves; `None` if there is nothing to lay it over.
     pub lattice: Option<ScreenLattice>,
     /// Warped outlines of the cells in which the lattice folds where it holds part of the shape.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin reads it"))]
     pub(crate) folds: Vec<Vec<ScreenPoint>>,
     /// One per pin of the controls, in order.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin reads it"))]
     pub(crate) pins: Vec<PinPlace>,
     /// Quality of the solve (pin errors, with a shot's own pins first; folded cells); `None`: nothing was solved.
     pub report: Option<SolveReport>,
     /// Warnings of the solve besides the report; [`Warp::notices`] formats all of them.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin reads it"))]
     pub(crate) warnings: Vec<Warning>,
     /// The pins of [`SolveReport::pin_errors`], in order.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin reads it"))]
     pub(super) acting: Vec<ActingPin>,
     /// Hash of all inputs of the solve.
     pub(super) key: Key,
@@ -80,6 +84,7 @@ pub(crate) struct PinPlace {
 }
 
 /// A line of the lattice.
+#[cfg(any(test, feature = "ofx"))]
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GridLine {
     /// Points before the warp, from left to right or from the bottom up.
@@ -133,6 +138,7 @@ impl Warp {
     }
 
     /// Computes the map of a window if the picture has parts.
+    #[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin calls it"))]
     pub(super) fn map_of_parts(&self, FrameWindow { frame, window }: FrameWindow) -> Option<WarpMap> {
         let covered = self.covered.as_ref().filter(|_| !self.parts.is_empty())?;
         Some(WarpMap::backward_of_shares(&self.parts, covered, FrameWindow { frame, window }))
@@ -162,6 +168,7 @@ impl Warp {
     }
 
     /// Returns the grid lines of the lattice's box, with `pieces` segments per cell.
+    #[cfg(any(test, feature = "ofx"))]
     #[must_use]
     pub(crate) fn grid_lines(&self, pieces: usize) -> Vec<GridLine> {
         let Some(lattice) = &self.lattice else { return Vec::new() };
@@ -187,6 +194,7 @@ impl Warp {
 }
 
 /// Converts a position in cells to a point of the box.
+#[cfg(any(test, feature = "ofx"))]
 fn on_box(lattice: &ScreenLattice, cells: [f64; 2]) -> ScreenPoint {
     ScreenPoint(lattice.grid.point_from_spans(cells).into())
 }

@@ -72,6 +72,7 @@ impl WarpMap {
     }
 
     /// Returns the target of every pixel centre of a picture, moved by the part that covers at least half of it; the rest stays.
+    #[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands call it"))]
     #[must_use]
     pub(crate) fn forward_of_parts(parts: &[(Field, Coverage)], FrameWindow { frame, window }: FrameWindow) -> Self {
         let mut map = Self::identity(frame, window);

@@ -38,6 +38,7 @@ mod pixel_field;
 mod ramp;
 mod report;
 mod resampler;
+#[cfg(any(test, feature = "editor"))]
 mod scaled_matte;
 mod scaling;
 mod semantics;
@@ -72,6 +73,7 @@ pub(crate) use map_parts::SharedParts;
 pub(crate) use report::SemanticReason;
 pub use report::{ChannelReport, PlateError, PlateReport};
 pub(crate) use resampler::Resampler;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use scaled_matte::scaled_matte;
 pub(crate) use scaling::scaled;
 pub use settings::{Filter, Holes, Matte, MotionEncoding, MotionUnit, NormalMode, Semantic, WarpSettings};
@@ -80,6 +82,7 @@ pub use stmap::{map_of_stmap, stmap_of};
 pub(crate) use surface_map::SurfacePicture;
 pub use warp_map::WarpMap;
 pub(crate) use warper::Warper;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use warper::channel_semantics;
 pub use warper::warp_plate;
 pub(crate) use warper::{check_plate, has_cryptomattes, has_motion};

@@ -59,6 +59,7 @@ pub(crate) fn check_plate(
 }
 
 /// Returns the semantic of every channel of a plate, ordered by part and channel; needs no samples.
+#[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands call it"))]
 #[must_use]
 pub(crate) fn channel_semantics(head: &Plate, settings: &WarpSettings) -> Vec<ChannelReport> {
     ChannelTable::of(head, &settings.semantics).entries.iter().map(|entry| entry.report(head)).collect()

@@ -123,6 +123,7 @@ fn moved(scene: &Scene, choice: ClipChoice, seconds: f64) -> Moved {
 }
 
 /// The nodes of a scene at one time, relative to their parents.
+#[cfg(any(test, feature = "cli"))]
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LocalPose {
     /// #nodes: parent_from_node.
@@ -132,6 +133,7 @@ pub(crate) struct LocalPose {
 }
 
 /// Returns the node transforms at `seconds` of the chosen clip, without meshes; time as in [`pose`].
+#[cfg(any(test, feature = "cli"))]
 #[must_use]
 pub(crate) fn local_pose(scene: &Scene, choice: ClipChoice, seconds: f64) -> LocalPose {
     let moved = moved(scene, choice, seconds);

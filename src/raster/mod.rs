@@ -197,6 +197,7 @@ pub enum DeviceChoice {
 
 impl DeviceChoice {
     /// Parses `auto`, `cpu`, `vulkan`, case-insensitively; anything else is part of a device's name, or its index.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) fn of_name(name: &str) -> Self {
         match name.to_lowercase().as_str() {

@@ -14,7 +14,9 @@ use gltf::json::mesh::Semantic;
 use gltf::json::scene::UnitQuaternion;
 use gltf::json::validation::Checked;
 use gltf::json::{self, Index, Root};
-use serde_json::{Value, json};
+use serde_json::Value;
+#[cfg(any(test, feature = "cli", feature = "editor"))]
+use serde_json::json;
 
 /// Name of the extension.
 pub(super) const EXTENSION: &str = "EXT_mesh_gpu_instancing";
@@ -172,6 +174,7 @@ pub(super) fn add_nodes(root: &mut Root, instances: &[Instances]) {
 }
 
 /// Does the same in a file's JSON, in the same order.
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 pub(super) fn add_json_nodes(root: &mut Value, instances: &[Instances]) {
     let Some(nodes) = root.get_mut("nodes").and_then(Value::as_array_mut) else { return };
     for Instances { node, name, placements } in instances {

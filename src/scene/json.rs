@@ -47,6 +47,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Re
 }
 
 /// Parses the JSON of `bytes` without checks or repairs.
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 pub(super) fn untouched(path: &Path, bytes: &[u8]) -> Result<Value, SceneError> {
     object(path, split_container(path, bytes)?.0)
 }

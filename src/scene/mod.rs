@@ -24,6 +24,7 @@ mod materials;
 mod mesh;
 mod nodes;
 mod outline;
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 mod pack;
 mod pictures;
 mod skin;
@@ -42,7 +43,10 @@ pub use load::load;
 pub(crate) use load::load_with;
 pub(crate) use material::Wrap;
 pub use material::{AlphaMode, Filter, Image, Material, Texture, TextureRef};
-pub(crate) use pack::{Packed, pack};
+#[cfg(any(test, feature = "cli", feature = "editor"))]
+pub(crate) use pack::Packed;
+#[cfg(any(test, feature = "cli"))]
+pub(crate) use pack::pack;
 pub(crate) use pictures::{Picture, picture_cards};
 pub(crate) use solid::SolidVertices;
 
@@ -121,6 +125,7 @@ pub enum Placement {
 
 impl Placement {
     /// The transform as a matrix.
+    #[cfg(any(test, feature = "cli", feature = "editor"))]
     #[must_use]
     pub(crate) fn matrix(&self) -> Mat4 {
         match *self {

@@ -22,6 +22,7 @@ pub(crate) struct Packed {
 ///
 /// # Errors
 /// [`SceneError`] if the file or a buffer cannot be read, violates the format, or requires an unsupported extension.
+#[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only exports call it"))]
 pub(crate) fn pack(path: &Path, access: FileAccess) -> Result<Packed, SceneError> {
     let bytes = access::read_scene_file(path)?;
     let parsed = json::parse(path, &bytes, &mut Vec::new())?;

@@ -138,6 +138,7 @@ impl Camera {
     }
 
     /// Returns the lens.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) const fn lens(&self) -> Lens {
         self.lens

@@ -57,6 +57,7 @@ pub enum ShotError {
 
 impl ShotError {
     /// Returns the individual faults: the parts of [`ShotError::Many`], else the error itself.
+    #[cfg(feature = "python")]
     #[must_use]
     pub(crate) fn each(&self) -> &[Self] {
         match self {

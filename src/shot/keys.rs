@@ -169,6 +169,7 @@ impl Pin {
     }
 
     /// Evaluates the keys at a (fractional) frame, without the step and strength of the layer.
+    #[cfg(any(test, feature = "editor", feature = "ofx"))]
     #[must_use]
     pub(crate) fn keyed_target(&self, frame: f64) -> PinTarget {
         pin_at(self, KeyedChannels::of(self), frame, 1.0)

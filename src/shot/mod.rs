@@ -23,6 +23,7 @@ mod raw;
 mod schema;
 mod selection;
 mod structure;
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 pub mod template;
 
 pub(crate) use camera::*;

@@ -75,6 +75,7 @@ impl Shot {
     }
 
     /// Gives mirrored pins the keys of the pins that they follow, after those have changed.
+    #[cfg(any(test, feature = "editor"))]
     pub(crate) fn copy_mirrored_keys(&mut self) {
         for layer in 0..self.layers.len() {
             for pin in 0..self.layers[layer].pins.len() {

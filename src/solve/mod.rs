@@ -85,4 +85,5 @@ pub use solver::{CancellableSolver, Solver, solve};
 pub use targets::Targets;
 pub(crate) use trajectory::knots_per_gib;
 pub(crate) use trajectory::{Coupling, Spread, TimedProblem, Timeline, Trajectory};
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use upright::Upright;

@@ -55,7 +55,11 @@ mod window;
 
 #[cfg(test)]
 pub(crate) use editor::Editor;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use eframe::egui::Theme;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use options::EditorOptions;
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use screenshot::{Screenshot, screenshot};
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use window::run;

@@ -183,6 +183,7 @@ pub(in crate::pipeline) fn geometry_between(
 }
 
 /// Builds the geometry of a solved time without motion, with parts that have been built before. `None` if it was cancelled.
+#[cfg(any(test, feature = "editor"))]
 pub(in crate::pipeline) fn geometry_keeping(
     prepared: &PreparedShot,
     now: &TimeSample,

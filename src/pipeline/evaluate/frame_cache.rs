@@ -4,10 +4,12 @@
 use super::followed_box::BoundsCache;
 use super::frame_crossings::CrossingCache;
 use crate::pipeline::TimeSample;
+#[cfg(any(test, feature = "editor"))]
 use crate::pipeline::pictures::plate_drafts::PlateDrafts;
 use crate::pipeline::prepare::brush_strokes::StrokeCache;
 use crate::pipeline::prepare::known_far_points::KnownFarPoints;
 use crate::pipeline::prepare::slenderness::Slenderness;
+#[cfg(any(test, feature = "editor"))]
 use crate::pipeline::prepare::symmetry::LayerMirror;
 use crate::pipeline::trajectories::watched_trajectory::Trajectories;
 use crate::pose::Pose;
@@ -38,8 +40,10 @@ pub(in crate::pipeline) struct FrameCache {
     /// What brush strokes cover.
     pub(in crate::pipeline) strokes: StrokeCache,
     /// Where the brush is mirrored on layers; `None`: nowhere.
+    #[cfg(any(test, feature = "editor"))]
     pub(in crate::pipeline) mirrors: Mutex<HashMap<usize, Option<LayerMirror>>>,
     /// Plates for drafts.
+    #[cfg(any(test, feature = "editor"))]
     pub(in crate::pipeline) plate_drafts: PlateDrafts,
     /// Bounds of world layers.
     pub(in crate::pipeline) world_bounds: BoundsCache<3>,

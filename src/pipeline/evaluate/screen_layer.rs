@@ -136,6 +136,7 @@ impl PreparedShot {
     ///
     /// # Errors
     /// [`PipelineError::Solve`] if a world layer cannot be solved.
+    #[cfg(any(test, feature = "ofx"))]
     pub(crate) fn box_size(&self, index: usize, frame: f64) -> Result<Option<[f64; 2]>, PipelineError> {
         let Layer { space: LayerSpace::Screen { dims, bounds }, basis, .. } = self.shot.layers[index] else {
             return Ok(None);

@@ -20,6 +20,7 @@ pub(in crate::pipeline) enum Unsolved {
     /// Solves the trajectory, over all frames.
     Wait,
     /// Solves the layer for this time alone.
+    #[cfg_attr(not(any(test, feature = "editor")), expect(dead_code, reason = "only the editor solves frames alone"))]
     Alone,
 }
 

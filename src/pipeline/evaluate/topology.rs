@@ -83,6 +83,7 @@ pub(in crate::pipeline) fn choose(
 }
 
 /// Whether the lattice of a new shot of a scene branches.
+#[cfg(any(test, feature = "cli", feature = "editor"))]
 pub(in crate::pipeline) fn branches_over(scene: &Scene) -> bool {
     let meshes = scene.nodes.iter().filter_map(|node| node.mesh);
     let (triangles, has_lines) = size_of(meshes.flat_map(|mesh| &scene.meshes[mesh].primitives));

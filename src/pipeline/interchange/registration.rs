@@ -85,6 +85,7 @@ pub fn picture_shape(
 ///
 /// # Errors
 /// [`PipelineError::Solve`] if a layer cannot be solved.
+#[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands call it"))]
 pub(crate) fn layer_shape(prepared: &PreparedShot, layer: usize, frame: i32) -> Result<Shape<2>, PipelineError> {
     let sample = prepared.sample_at(f64::from(frame))?;
     Ok(screen_shape(prepared, &sample, layer))

@@ -74,6 +74,10 @@ impl Painting<'_> {
 }
 
 /// Draws the mean of the pictures at some times; `middle` gives the ids.
+#[cfg_attr(
+    not(any(test, feature = "editor", feature = "python")),
+    expect(dead_code, reason = "only the editor and the Python package call it")
+)]
 pub(in crate::pipeline) fn paint_frame(
     prepared: &PreparedShot,
     middle: &TimeSample,

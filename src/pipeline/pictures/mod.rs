@@ -4,18 +4,24 @@
 
 mod branches;
 mod composite_parts;
+#[cfg(any(test, feature = "editor"))]
 mod draft;
 mod drawing;
+#[cfg(any(test, feature = "cli"))]
 mod element;
 mod frames;
 mod paint;
+#[cfg(any(test, feature = "editor"))]
 pub(super) mod plate_drafts;
 mod read;
 mod recent;
 
+#[cfg(any(test, feature = "editor"))]
 pub(super) use draft::paint_draft;
 pub(super) use drawing::{drawing_in, drawing_of};
-pub(super) use frames::{left_out_channels, paint_frame, paint_frames, times};
+pub(super) use frames::{left_out_channels, paint_frames};
+#[cfg(any(test, feature = "editor", feature = "python"))]
+pub(super) use frames::{paint_frame, times};
 
 use crate::image::{ImageError, PictureExtent, Storage, picture_extent, read_any};
 use crate::memory;
@@ -36,6 +42,7 @@ pub(super) struct Gallery {
     /// Full float unless all pictures are half float.
     storage: Storage,
     /// The same pictures in the sizes of drafts.
+    #[cfg_attr(not(any(test, feature = "editor")), expect(dead_code, reason = "only the editor draws drafts"))]
     small: Recent<FrameSize, Gallery>,
 }
 

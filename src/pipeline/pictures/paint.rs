@@ -34,6 +34,7 @@ struct WarpedPicture {
 
 impl Gallery {
     /// Returns the combined coverage (0 to 1) of the unwarped pictures for whose index `shown` holds, per pixel of the frame.
+    #[cfg(any(test, feature = "cli"))]
     pub(in crate::pipeline) fn coverage(&self, shown: impl Fn(usize) -> bool) -> Vec<f32> {
         let window = self.frame.window();
         let mut covered = vec![0.0_f32; window.area()];
@@ -118,6 +119,7 @@ impl<'a> Painter<'a> {
     }
 
     /// Returns one sample, with colour alone.
+    #[cfg(any(test, feature = "editor"))]
     pub(super) fn draft(&mut self, sample: &TimeSample) -> Frame {
         let size = self.gallery.frame;
         let named = CHANNELS.into_iter().zip(self.beauty(sample));

@@ -116,6 +116,7 @@ impl FlatPicture {
     }
 
     /// Returns an empty picture that keeps the index and name of this one.
+    #[cfg(any(test, feature = "cli"))]
     pub(super) fn blank(&self) -> Self {
         let nowhere = PixelRect { width: 0, height: 0, ..self.part().data_window };
         let plate = pictured(self.plate.frame_size(), nowhere, [const { Vec::new() }; 4]);

@@ -3,10 +3,12 @@
 //! In: keys, and how to make the value of each. Out: shared values.
 
 use std::collections::VecDeque;
+#[cfg(any(test, feature = "editor"))]
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Number of values that are kept: the sizes between which drafts of a frame change.
+#[cfg(any(test, feature = "editor"))]
 const KEPT: usize = 3;
 
 /// The values made last, by their keys, newest first.
@@ -25,6 +27,7 @@ impl<K: Clone, V> Clone for Recent<K, V> {
     }
 }
 
+#[cfg(any(test, feature = "editor"))]
 impl<K: PartialEq, V> Recent<K, V> {
     /// Returns the value of a key, which is made unless it is kept.
     pub(super) fn of(&self, key: K, make: impl FnOnce() -> V) -> Arc<V> {

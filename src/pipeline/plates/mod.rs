@@ -13,6 +13,7 @@ mod needed_memory;
 mod plan;
 mod read;
 mod shared_meshes;
+#[cfg(any(test, feature = "cli"))]
 mod silhouette;
 mod stage;
 mod surface_maps;
@@ -20,6 +21,7 @@ mod whole_scene;
 mod write;
 
 pub use job::{PlateWarp, WarpDirection, WarpEvent, WarpJob, WarpReport, WarpSummary};
+#[cfg(any(test, feature = "cli"))]
 pub(crate) use silhouette::Silhouette;
 pub use surface_maps::SurfaceMaps;
 

@@ -63,6 +63,7 @@ impl<'a> SurfaceMaps<'a> {
     ///
     /// # Errors
     /// The errors of [`Self::backward`].
+    #[cfg(any(test, feature = "cli"))]
     pub(crate) fn forward(&mut self, frame: i32) -> Result<WarpMap, PipelineError> {
         let [unwarped, warped] = self.pictures(f64::from(frame))?;
         Ok(WarpMap::between(&unwarped, &warped, self.place.frame))

@@ -60,6 +60,7 @@ impl LayerAssignment {
     }
 
     /// Returns the layer that moves a triangle; for a shared triangle, the layer that moves most of it.
+    #[cfg(any(test, feature = "cli", feature = "editor"))]
     #[must_use]
     pub(crate) fn layer_of_triangle(&self, part: usize, triangle: usize) -> Option<usize> {
         let shared = self.shared_parts[part].as_ref().and_then(|shared| shared.layer_of_triangle.get(triangle));

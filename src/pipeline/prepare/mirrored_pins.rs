@@ -5,7 +5,9 @@
 use super::anchors::mismatch;
 use super::reflection::MirroredPin;
 use super::rest_mesh::{RestMesh, rest_pose};
-use super::symmetry::{LayerMirror, Symmetry};
+#[cfg(any(test, feature = "editor"))]
+use super::symmetry::LayerMirror;
+use super::symmetry::Symmetry;
 use crate::pipeline::{PinAnchor, PipelineError, PreparedShot};
 use crate::pose::{Pose, PosedPart};
 use crate::scene::Scene;
@@ -102,6 +104,7 @@ fn best_plane(prepared: &PreparedShot, rest: &Pose, layers: [usize; 2]) -> Optio
 }
 
 /// Returns where a layer at rest mirrors; `None` if it has no plane of symmetry.
+#[cfg(any(test, feature = "editor"))]
 pub(in crate::pipeline) fn mirror_of_layer(prepared: &PreparedShot, rest: &Pose, layer: usize) -> Option<LayerMirror> {
     let known = prepared.layer_inputs.planes.get(&[layer; 2]).copied();
     let plane = known.or_else(|| best_plane(prepared, rest, [layer; 2])).filter(|plane| plane.met >= LEAST_MET)?;
@@ -110,6 +113,7 @@ pub(in crate::pipeline) fn mirror_of_layer(prepared: &PreparedShot, rest: &Pose,
 }
 
 /// Returns the point of a layer at rest that is the mirror image of a point, and the node that it is on; `None` if nothing is there.
+#[cfg(any(test, feature = "editor"))]
 pub(in crate::pipeline) fn mirrored_point(
     prepared: &PreparedShot,
     rest: &Pose,

@@ -80,6 +80,10 @@ pub(in crate::pipeline) struct DrawInputs {
     /// Layers whose parts are not drawn but keep their indices, ids and names.
     pub(in crate::pipeline) hidden_layers: Vec<usize>,
     /// Nodes whose meshes the shot hides.
+    #[cfg_attr(
+        not(any(test, feature = "cli", feature = "editor")),
+        expect(dead_code, reason = "only exports and the editor read it")
+    )]
     pub(in crate::pipeline) hidden_nodes: Vec<usize>,
 }
 
@@ -107,6 +111,7 @@ impl PreparedShot {
     }
 
     /// Returns the camera's node, if the camera is one of the scene's.
+    #[cfg(any(test, feature = "cli"))]
     pub(in crate::pipeline) const fn camera_node(&self) -> Option<usize> {
         match self.camera {
             CameraSource::Node(node) => Some(node),

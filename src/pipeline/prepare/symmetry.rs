@@ -53,6 +53,7 @@ pub(in crate::pipeline) struct Symmetry {
 }
 
 /// Where a layer at rest mirrors.
+#[cfg(any(test, feature = "editor"))]
 #[derive(Clone, Copy, Debug)]
 pub(in crate::pipeline) struct LayerMirror {
     pub(in crate::pipeline) plane: Symmetry,

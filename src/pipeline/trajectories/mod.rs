@@ -29,6 +29,7 @@ const MIN_SPEED: f64 = 1.0 / 1080.0;
 impl PreparedShot {
     /// Returns the same shot with trajectories stored in files beside the frames of `outputs` (path patterns). They are
     /// read from all of these places, and written to the first if `keeping` permits it.
+    #[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands call it"))]
     #[must_use]
     pub(crate) fn keeping_trajectories<'a>(
         mut self,

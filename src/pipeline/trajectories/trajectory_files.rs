@@ -28,6 +28,10 @@ const KEPT: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keeping {
     /// Reads existing trajectories.
+    #[cfg_attr(
+        not(any(test, feature = "cli")),
+        expect(dead_code, reason = "only the command line stores trajectories")
+    )]
     Read,
     /// Also writes missing ones.
     Write,

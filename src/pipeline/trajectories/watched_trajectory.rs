@@ -91,6 +91,7 @@ impl<const D: usize> Trajectories<D> {
     }
 
     /// Removes the outcomes of layers for which `is_kept` is false.
+    #[cfg(any(test, feature = "editor"))]
     pub(in crate::pipeline) fn retain(&self, is_kept: impl Fn(usize) -> bool) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|&layer, _| is_kept(layer));
     }

@@ -3,12 +3,14 @@
 //! In: a solved layer and the sample that it was solved over. Out: points of the screen.
 
 use super::folded_model_cells::folded_model_cells;
-use super::scene_lines::PIECES;
 use crate::lattice::ScreenLattice;
 use crate::pipeline::evaluate::screen_shape::screen_shape;
 use crate::pipeline::{PreparedShot, TimeSample};
 use crate::solve::Solution;
 use crate::space::ScreenPoint;
+
+/// Line segments per cell and line of the lattice.
+pub(super) const PIECES: usize = 4;
 
 impl PreparedShot {
     /// Returns the warped outlines of the cells in which a screen layer folds where it holds part of the model.

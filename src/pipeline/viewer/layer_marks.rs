@@ -3,7 +3,8 @@
 //! In: a solved [`TimeSample`]. Out: points of the screen, grouped by layer.
 
 use super::folded_model_cells::folded_model_cells;
-use super::scene_lines::{PIECES, faces, in_view, lines};
+use super::folded_outlines::PIECES;
+use super::scene_lines::{faces, in_view, lines};
 use crate::lattice::{Grid, SceneLattice, ScreenLattice};
 use crate::pipeline::evaluate::lattice_box::{screen_box, world_grid};
 use crate::pipeline::evaluate::layer_pins::region;

@@ -27,10 +27,13 @@ pub(crate) struct NewShot {
     /// Facts for the template.
     pub facts: TemplateFacts,
     /// Warnings from reading the file.
+    #[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands read it"))]
     pub warnings: Vec<String>,
     /// Files to which the scene refers.
+    #[cfg_attr(not(any(test, feature = "cli")), expect(dead_code, reason = "only commands read it"))]
     pub files_beside: Vec<PathBuf>,
     /// The scene, unless the file is a picture.
+    #[cfg_attr(not(any(test, feature = "editor")), expect(dead_code, reason = "only the editor reads it"))]
     pub scene: Option<Scene>,
 }
 

@@ -2,7 +2,10 @@
 //!
 //! In: a prepared shot, a frame, a point. Out: an [`Anchor`]. In a warped picture, the point that the warp moved there is found.
 
-use crate::pipeline::{PreparedShot, TimeSample};
+use crate::pipeline::PreparedShot;
+#[cfg(any(test, feature = "editor"))]
+use crate::pipeline::TimeSample;
+#[cfg(any(test, feature = "editor"))]
 use crate::plate::Field;
 use crate::pose::Pose;
 use crate::screen::{self, Hit, ScreenMesh, primitive};
@@ -26,6 +29,7 @@ pub(crate) struct PickedPoint {
 
 impl PreparedShot {
     /// Returns the front-most point of the unwarped model.
+    #[cfg(any(test, feature = "cli"))]
     #[must_use]
     pub(crate) fn pick(&self, frame: i32, at: ScreenPoint) -> Option<PickedPoint> {
         let (pose, camera) = self.view(f64::from(frame));
@@ -34,6 +38,7 @@ impl PreparedShot {
     }
 
     /// Returns the front-most point of the model as warped in a solved sample.
+    #[cfg(any(test, feature = "editor"))]
     #[must_use]
     pub(crate) fn pick_warped(&self, sample: &TimeSample, at: ScreenPoint) -> Option<PickedPoint> {
         let (mesh, near) = (sample.mesh(), sample.camera.near());

@@ -2,15 +2,13 @@
 //!
 //! In: a placed lattice, a camera. Out: points of the screen, numbers per point.
 
+use super::folded_outlines::PIECES;
 use crate::lattice::SceneLattice;
 use crate::screen::Camera;
 use crate::solve::symmetric_eigen;
 use crate::space::ScreenPoint;
 use glam::DVec3;
 use std::collections::BTreeSet;
-
-/// Line segments per cell and line of the lattice.
-pub(super) const PIECES: usize = 4;
 
 /// Returns where a point is on the screen; `None` if it is not in front of the camera.
 pub(super) fn in_view(camera: &Camera, point: DVec3) -> Option<ScreenPoint> {

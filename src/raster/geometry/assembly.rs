@@ -73,6 +73,7 @@ pub(crate) struct KeptParts {
 
 impl KeptParts {
     /// `is_kept`: #parts, whether a part stays the same.
+    #[cfg(any(test, feature = "editor"))]
     pub(crate) fn new(is_kept: impl IntoIterator<Item = bool>) -> Self {
         Self { parts: is_kept.into_iter().map(|is_kept| is_kept.then(OnceLock::new)).collect() }
     }

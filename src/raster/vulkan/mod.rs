@@ -33,9 +33,11 @@ mod tests;
 mod textures;
 mod upload;
 
+#[cfg(any(test, feature = "cli"))]
+pub(crate) use choose::DeviceInfo;
 #[cfg(test)]
 pub(crate) use choose::DeviceKind;
-pub(crate) use choose::{DeviceInfo, devices};
+pub(crate) use choose::devices;
 #[cfg(test)]
 pub(crate) use messenger::Messages;
 pub use microbenchmark::BareTimes;

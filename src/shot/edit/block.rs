@@ -38,6 +38,10 @@ pub(super) enum Digits {
     /// Readable: far below a pixel, without binary noise.
     Few,
     /// Lossless: they are read back bit for bit.
+    #[cfg_attr(
+        not(any(test, feature = "editor", feature = "ofx")),
+        expect(dead_code, reason = "only the OpenFX plugin and the editor write all digits")
+    )]
     All,
 }
 
@@ -58,6 +62,7 @@ impl<'a> NewPin<'a> {
     }
 
     /// Creates a pin that follows another one, mirrored.
+    #[cfg(any(test, feature = "editor"))]
     pub(super) fn mirrored(name: &'a str, of: &str) -> Self {
         Self { name, entries: vec![("mirror", of.into())] }
     }

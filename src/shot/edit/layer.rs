@@ -28,6 +28,7 @@ pub(crate) struct LayerEdit<'a> {
 }
 
 /// How to set a factor that the layer may have already.
+#[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin makes one"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Factor {
     /// Replaces it.
@@ -60,6 +61,7 @@ pub(crate) struct KeyedPin<'a> {
 ///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, has no such layer, or has a structure that cannot be edited.
+#[cfg_attr(not(any(test, feature = "ofx")), expect(dead_code, reason = "only the OpenFX plugin calls it"))]
 pub(crate) fn put_layer(text: &str, layer: Option<&str>, edit: &LayerEdit) -> Result<String, ShotError> {
     let name = layer.unwrap_or("layer");
     let mut text = EditableText::parse(text).map_err(|(what, hint)| fault(name, &what, hint))?;

@@ -5,37 +5,50 @@
 mod block;
 #[cfg(feature = "editor")]
 mod channel_keys;
+#[cfg(any(test, feature = "ofx"))]
 mod filter;
+#[cfg(any(test, feature = "editor", feature = "ofx"))]
 mod layer;
 #[cfg(feature = "editor")]
 mod move_pin;
 #[cfg(feature = "editor")]
 mod paths;
+#[cfg(any(test, feature = "editor"))]
 mod pin;
+#[cfg(any(test, feature = "editor"))]
 mod rename;
+#[cfg(any(test, feature = "editor"))]
 mod setting;
+#[cfg(any(test, feature = "editor"))]
 mod stroke;
 mod text;
 
 pub use block::pin_block;
 #[cfg(feature = "editor")]
 pub(crate) use channel_keys::{put_rotate_keys, put_scale_keys};
+#[cfg(any(test, feature = "ofx"))]
 pub(crate) use filter::put_filter;
+#[cfg(any(test, feature = "ofx"))]
 pub(crate) use layer::{Factor, KeyedPin, LayerEdit, put_layer};
 #[cfg(feature = "editor")]
 pub(crate) use move_pin::move_pin;
 #[cfg(feature = "editor")]
 pub(crate) use paths::put_paths;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use pin::{PinName, put_handle, put_keys, put_region, remove_pin};
 #[cfg(feature = "editor")]
 pub(crate) use rename::rename_layer;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use rename::rename_pin;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use setting::Setting;
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use setting::{
     add_layer, has_pin_setting, layer_number, move_layer, put_box, put_layer_setting, put_pin_setting, put_setting,
     remove_layer,
 };
 
+#[cfg(any(test, feature = "editor"))]
 pub(crate) use stroke::{add_stroke, remove_strokes};
 
 use super::{Anchor, ShotError};
@@ -84,6 +97,7 @@ pub fn add_pin(text: &str, layer: Option<&str>, name: &str, anchor: &Anchor) -> 
 ///
 /// # Errors
 /// [`ShotError::Edit`] if the text is not TOML, has no such pin, or a pin named `name` in its layer.
+#[cfg(any(test, feature = "editor"))]
 pub(crate) fn mirror_pin(text: &str, at: PinName, name: &str) -> Result<String, ShotError> {
     pin::edit_layer(text, at.layer, at.pin, |layer| {
         let not_tables = || fault(name, "`pin` is not a list of tables", "write [[layer.pin]] as in docs/SHOT.md");
