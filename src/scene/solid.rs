@@ -30,11 +30,11 @@ struct Surface {
 }
 
 fn find(mesh: &Mesh) -> Vec<Vec<bool>> {
-    let (welded, places) = weld(mesh);
+    let (merged, places) = merge_vertices(mesh);
     let triangles = || {
-        let all = mesh.primitives.iter().zip(&welded);
-        let own = all.flat_map(|(primitive, welded)| {
-            primitive.triangles.iter().map(|corners| corners.map(|corner| welded[corner as usize]))
+        let all = mesh.primitives.iter().zip(&merged);
+        let own = all.flat_map(|(primitive, merged)| {
+            primitive.triangles.iter().map(|corners| corners.map(|corner| merged[corner as usize]))
         });
         own.filter(|[a, b, c]| a != b && b != c && c != a)
     };
@@ -62,11 +62,11 @@ fn find(mesh: &Mesh) -> Vec<Vec<bool>> {
         let Surface { has_border, volume } = surfaces[root(&mut parents, vertex) as usize];
         !has_border && volume > 0.0
     };
-    welded.iter().map(|own| own.iter().map(&mut is_solid).collect()).collect()
+    merged.iter().map(|own| own.iter().map(&mut is_solid).collect()).collect()
 }
 
 /// Numbers the places where vertices are. Returns those of each primitive's vertices, and the places.
-fn weld(mesh: &Mesh) -> (Vec<Vec<u32>>, Vec<Vec3>) {
+fn merge_vertices(mesh: &Mesh) -> (Vec<Vec<u32>>, Vec<Vec3>) {
     let mut numbers: HashMap<[u32; 3], u32, FixedState> = HashMap::default();
     let mut places: Vec<Vec3> = Vec::new();
     let mut number = |position: &Vec3| {
@@ -77,8 +77,8 @@ fn weld(mesh: &Mesh) -> (Vec<Vec<u32>>, Vec<Vec3>) {
         })
     };
     let of_primitive = |primitive: &Primitive| primitive.positions.iter().map(&mut number).collect();
-    let welded = mesh.primitives.iter().map(of_primitive).collect();
-    (welded, places)
+    let merged = mesh.primitives.iter().map(of_primitive).collect();
+    (merged, places)
 }
 
 /// Returns the first of the vertices with which a vertex hangs together.
