@@ -5,7 +5,7 @@
 use super::channel_table::{ChannelEntry, ChannelIndex};
 use super::composite::{Composite, MIN_VISIBLE};
 use super::compositor::{AlphaGroup, OutputPlanes, PlateCompositor};
-use super::cryptomatte::{CryptomatteRanks, gathered_ranks};
+use super::cryptomatte::{CryptomatteRanks, RankAlpha, gathered_ranks};
 use super::disjoint_over::{Occlusion, colors, occlusion};
 use super::edge_split::{EdgeSplit, SplitSamples};
 use super::hole_filling::add_behind;
@@ -223,6 +223,12 @@ fn compose_cryptomattes(
             name: &matte.name,
             ranks: matte.ranks.iter().map(|rank| [samples(rank.id), samples(rank.coverage)]).collect(),
             filling: if has_holes { fillings.flatten().collect() } else { Vec::new() },
+            alpha: rank_alpha(
+                compositor,
+                (composite, group),
+                matte.ranks.first().and_then(|rank| entry(rank.id)),
+                planes,
+            ),
         };
         let gathered = gathered_ranks(composite, &ranks, &group.occlusion, compositor.context);
         for (rank, [ids, coverage]) in matte.ranks.iter().zip(gathered) {
@@ -233,6 +239,32 @@ fn compose_cryptomattes(
     // Half a pair of rank channels cannot be decoded: treat it as data.
     let alone: Vec<&ChannelEntry> = entries.into_iter().filter(|entry| !planes.contains_key(&entry.index)).collect();
     compositor.copy(&alone, (composite, group), planes);
+}
+
+/// Returns the alpha that belongs to a Cryptomatte; `rank`: one of its channels.
+fn rank_alpha<'a>(
+    compositor: &'a PlateCompositor,
+    (composite, group): (&Composite, &AlphaGroup),
+    rank: Option<&&ChannelEntry>,
+    planes: &'a OutputPlanes,
+) -> RankAlpha<'a> {
+    let index = rank.and_then(|rank| rank.alpha);
+    let entry = composite.entries.iter().find(|entry| Some(entry.index) == index);
+    let filling = entry.and_then(|entry| compositor.fill(entry, composite, Filter::Nearest));
+    let source = index.and_then(|index| compositor.alpha(index, composite));
+    let known = index.filter(|_| source.is_some()).and_then(|index| planes.get(&index));
+    if let Some(composed) = known.filter(|plane| plane.len() == composite.window.area()) {
+        return RankAlpha { source, filling, composed: Cow::Borrowed(composed) };
+    }
+    // A picture without alpha, or with its alpha in a part of another window.
+    let plane = source.clone().unwrap_or_else(|| Cow::Owned(vec![1.0; composite.source.area()]));
+    let by = compositor.by(compositor.settings.filter);
+    let mut composed = colors(composite, &[plane], &group.occlusion, by).swap_remove(0);
+    if let (Some(holes), Some(_)) = (&group.occlusion.holes, &compositor.filling) {
+        let opaque = || Cow::Owned(vec![1.0; composite.window.area()]);
+        add_behind(&mut composed, holes, &filling.as_deref().map_or_else(opaque, Cow::Borrowed));
+    }
+    RankAlpha { source, filling, composed: Cow::Owned(composed) }
 }
 
 /// Assembles the output planes into parts, in the plate's order.

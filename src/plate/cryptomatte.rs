@@ -3,7 +3,10 @@
 //! In: a composite with maps, the ranks of the source, the transmittance of each layer. Out: ranks.
 //!
 //! The visible coverage of an id is the sum of weight · matte · coverage over the samples in the pixel's footprint;
-//! layers are composited as colour is (Friedman and Jones, "Fully automatic ID mattes", SIGGRAPH 2015 posters).
+//! layers are composited as colour is (Friedman and Jones, "Fully automatic ID mattes", SIGGRAPH 2015 posters). These
+//! weights are a tent, which is never negative; colour has a sharper filter. The coverages of a pixel are therefore scaled
+//! by the ratio of its alpha, as filtered with the colour, to the alpha gathered with these weights: their sum keeps to
+//! the alpha beside it.
 
 use super::composite::{Composite, WarpedLayer};
 use super::disjoint_over::{Occlusion, Run};
@@ -12,6 +15,10 @@ use super::resampler::ResampleContext;
 use super::uniform_regions::UniformRegions;
 use crate::image::cryptomatte::{IdCoverage, MatteId};
 use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Greatest difference of two alphas that rounding explains.
+const ALPHA_ROUNDING: f32 = 1e-5;
 
 /// One rank of the source: ids and coverages, #pixels each.
 pub(super) type Rank<'a> = [&'a [f32]; 2];
@@ -23,6 +30,17 @@ pub(super) struct CryptomatteRanks<'a> {
     pub(super) ranks: Vec<Rank<'a>>,
     /// Ranks of the fill plate, over the composite's window; empty if no plate fills holes.
     pub(super) filling: Vec<[Vec<f32>; 2]>,
+    pub(super) alpha: RankAlpha<'a>,
+}
+
+/// The alpha that the coverages of a Cryptomatte add up to.
+pub(super) struct RankAlpha<'a> {
+    /// #pixels of the source; `None`: opaque.
+    pub(super) source: Option<Cow<'a, [f32]>>,
+    /// #pixels of the composite: that of the fill plate; `None`: opaque.
+    pub(super) filling: Option<Vec<f32>>,
+    /// #pixels of the composite: the result, filtered and composited like colour.
+    pub(super) composed: Cow<'a, [f32]>,
 }
 
 /// The inputs from which the ranks of a pixel are gathered.
@@ -38,6 +56,8 @@ struct RankSource<'a> {
 struct Scratch {
     taps: Vec<(usize, f32)>,
     coverage: IdCoverage,
+    /// Alpha with the weights of the coverages.
+    alpha: f32,
     ranks: Vec<f32>,
 }
 
@@ -67,7 +87,8 @@ pub(super) fn gathered_ranks(
 /// Finds the regions where neighbouring samples have the same ranks and the same mattes in all layers.
 fn uniform_regions(composite: &Composite, matte: &CryptomatteRanks) -> UniformRegions {
     let mattes = composite.layers.iter().filter_map(|layer| layer.matte.coverage.as_deref());
-    UniformRegions::of(composite.source, &matte.ranks.as_flattened().iter().copied().chain(mattes).collect::<Vec<_>>())
+    let planes = matte.ranks.as_flattened().iter().copied().chain(mattes).chain(matte.alpha.source.as_deref());
+    UniformRegions::of(composite.source, &planes.collect::<Vec<_>>())
 }
 
 /// Gathers the ranks of one pixel into `scratch`.
@@ -76,6 +97,7 @@ fn gather(from: &RankSource, at: [i32; 2], scratch: &mut Scratch) {
     scratch.ranks.clear();
     scratch.ranks.resize(2 * matte.ranks.len(), 0.0);
     scratch.coverage.clear();
+    scratch.alpha = 0.0;
     let own = composite.window.sample_index(at).expect("pixels of the composite lie in its window");
     let mut visible = 1.0;
     for Run { layers, transmittance: of_all } in occlusion.runs.iter().rev() {
@@ -88,11 +110,14 @@ fn gather(from: &RankSource, at: [i32; 2], scratch: &mut Scratch) {
                 && composite.layers.len() == 1
             {
                 matte.copy(index, &mut scratch.ranks);
+                matte.fit_to_alpha(own, matte.alpha.of_source(index), &mut scratch.ranks);
                 return;
             }
-            for &(index, weight) in &scratch.taps {
+            let Scratch { taps, coverage, alpha, .. } = &mut *scratch;
+            for &(index, weight) in &*taps {
                 let weight = weight * visible * layer.visibility_at(at);
-                from.add(layer, index, weight, &mut scratch.coverage);
+                *alpha += weight * matte.alpha_at(layer, index);
+                from.add(layer, index, weight, coverage);
             }
             visible *= transmittance.get(place).copied().unwrap_or(0.0);
             if visible <= 0.0 {
@@ -105,9 +130,10 @@ fn gather(from: &RankSource, at: [i32; 2], scratch: &mut Scratch) {
         }
     }
     if let Some(holes) = &occlusion.holes {
-        matte.fill(own, holes[own], &mut scratch.coverage);
+        matte.fill(own, holes[own], scratch);
     }
     scratch.coverage.write(&mut scratch.ranks);
+    matte.fit_to_alpha(own, scratch.alpha, &mut scratch.ranks);
     limit(&mut scratch.ranks);
 }
 
@@ -153,6 +179,22 @@ impl CryptomatteRanks<'_> {
         }
     }
 
+    /// Scales the coverages of a pixel by the ratio of its composed alpha to `gathered`, its alpha with the weights of the coverages.
+    /// Where both are the same up to rounding, as in pixels that do not move, they keep their bits.
+    fn fit_to_alpha(&self, own: usize, gathered: f32, ranks: &mut [f32]) {
+        let composed = self.alpha.composed[own].clamp(0.0, 1.0);
+        let scale = composed / gathered;
+        if (composed - gathered).abs() > ALPHA_ROUNDING && scale.is_finite() {
+            ranks.iter_mut().skip(1).step_by(2).for_each(|coverage| *coverage *= scale);
+        }
+    }
+
+    /// Returns the alpha of a sample, scaled by the layer's matte.
+    fn alpha_at(&self, layer: &WarpedLayer, index: usize) -> f32 {
+        let of_layer = layer.matte.coverage.as_ref().map_or(1.0, |coverage| coverage[index]);
+        self.alpha.of_source(index) * of_layer
+    }
+
     /// Returns 1 or 0 depending on whether a layer, including all of its parts, contains an id. Only known if its matte
     /// is selected from this Cryptomatte.
     fn part_by_id(&self, composite: &Composite, layer: &WarpedLayer, id: MatteId) -> Option<f32> {
@@ -167,13 +209,21 @@ impl CryptomatteRanks<'_> {
         matted.filter(|matted| !matted.is_empty()).map(|matted| f32::from(u8::from(!matted.contains(&true))))
     }
 
-    fn fill(&self, place: usize, hole: f32, coverage: &mut IdCoverage) {
-        if hole <= 0.0 {
+    fn fill(&self, place: usize, hole: f32, Scratch { coverage, alpha, .. }: &mut Scratch) {
+        if hole <= 0.0 || self.filling.is_empty() {
             return;
         }
+        *alpha += hole * self.alpha.filling.as_ref().map_or(1.0, |filling| filling[place]);
         for [ids, coverages] in &self.filling {
             coverage.add(MatteId::from_sample(ids[place]), coverages[place] * hole);
         }
+    }
+}
+
+impl RankAlpha<'_> {
+    /// Returns the alpha of a sample of the source.
+    fn of_source(&self, index: usize) -> f32 {
+        self.source.as_ref().map_or(1.0, |alpha| alpha[index])
     }
 }
 

@@ -114,9 +114,10 @@ pub(super) fn check_matte(table: &ChannelTable, layer: &str, matte: &Matte) -> R
 
 /// Returns the alpha of the picture, #pixels of the window; `None` if it has none.
 pub(super) fn alpha_of_picture<'a>(table: &'a ChannelTable, region: MatteRegion) -> Option<Cow<'a, [f32]>> {
-    let of_view = table.entries.iter().filter(|entry| entry.name.view.as_deref() == region.view);
-    let mut colors = of_view.filter(|entry| entry.class.semantic == Semantic::Color);
-    Some(table.over(colors.find_map(|entry| entry.alpha)?, region.window, 0.0))
+    let of_view = || table.entries.iter().filter(|entry| entry.name.view.as_deref() == region.view);
+    let of_color = of_view().filter(|entry| entry.class.semantic == Semantic::Color).find_map(|entry| entry.alpha);
+    let index = of_color.or_else(|| of_view().find_map(|entry| entry.alpha))?;
+    Some(table.over(index, region.window, 0.0))
 }
 
 /// Divides by the alpha of the picture where it is known: coverage 0.3 of a pixel whose alpha is 0.3 is all of the pixel.

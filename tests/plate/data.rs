@@ -6,8 +6,8 @@ use pinwarp::image::cryptomatte::{Manifest, MatteHeader, MatteId};
 use pinwarp::image::{Channel, Compression, Frame, FrameMetadata, Plate, Storage, read_plate, write_exr};
 use pinwarp::lattice::{Basis, Grid};
 use pinwarp::plate::{
-    Field, LayerJob, Matte, MotionEncoding, NormalMode, PlateJob, WarpMap, WarpSettings, footprint_taps, remap_plate,
-    undo_plate,
+    Field, Filter, LayerJob, Matte, MotionEncoding, NormalMode, PlateJob, WarpMap, WarpSettings, footprint_taps,
+    remap_plate, undo_plate, warp_plate,
 };
 use pinwarp::space::{FrameSize, ImagePoint, PixelRect};
 use std::collections::BTreeMap;
@@ -126,6 +126,83 @@ fn a_layer_picked_by_cryptomatte_takes_its_ids_and_leaves_the_others() {
         assert!((after.get(&id("ball")).copied().unwrap_or(0.0) - came).abs() < 1e-5, "{pixel}");
         let stayed = after.get(&id("wall")).copied().unwrap_or(0.0);
         assert!(stayed <= coverage(x, y)[2] + 1e-6, "{pixel}");
+    }
+}
+
+/// Makes everything in a plate of ranks as transparent as a round window with a soft edge.
+fn windowed(mut plate: Plate) -> Plate {
+    let opening = |x: f32, y: f32| (4.0 - 0.4 * (x - 18.0).hypot(y - 14.0)).clamp(0.0, 1.0);
+    for channel in &mut plate.parts[0].channels {
+        if channel.name.ends_with(['G', 'A']) {
+            for (pixel, sample) in channel.samples.iter_mut().enumerate() {
+                let (x, y) = (pixel as u32 % FRAME.width, pixel as u32 / FRAME.width);
+                *sample *= opening(x as f32, y as f32);
+            }
+        }
+    }
+    plate
+}
+
+#[test]
+fn coverages_add_up_to_the_filtered_alpha() {
+    let ball = || Some(Matte::Cryptomatte { layer: Some("CryptoObject".into()), names: vec!["ball".into()] });
+    let opaque_without_alpha = || {
+        let mut plate = matted();
+        plate.parts[0].channels.retain(|channel| channel.name != "A");
+        plate
+    };
+    let cases: [(&str, Plate, Option<Matte>); 4] = [
+        ("a whole picture", windowed(matted()), None),
+        ("a thing of an opaque picture", matted(), ball()),
+        ("a thing of a picture with soft edges", windowed(matted()), ball()),
+        ("a picture without alpha", opaque_without_alpha(), ball()),
+    ];
+    for filter in [Filter::Ewa, Filter::Cubic, Filter::Lanczos] {
+        let settings = WarpSettings { filter, ..WarpSettings::default() };
+        for (name, source, matte) in &cases {
+            let (moved, _) = warped(source, vec![layer("all", bent(), matte.clone())], &settings);
+            let has_alpha = moved.parts[0].channels.iter().any(|channel| channel.name == "A");
+            let sum = |pixel: usize| at(&moved, pixel).values().sum::<f32>();
+            let mut between = 0;
+            for pixel in (0..FRAME.area()).filter(|_| has_alpha) {
+                let alpha = samples(&moved, "A")[pixel].clamp(0.0, 1.0);
+                // The other filters reach a little farther than the samples whose ids are known.
+                let tolerance = if filter != Filter::Ewa && sum(pixel) == 0.0 { 0.05 } else { 1e-3 };
+                assert!((sum(pixel) - alpha).abs() < tolerance, "{name}, {filter:?}, {pixel}: {} {alpha}", sum(pixel));
+                between += usize::from(alpha > 0.05 && alpha < 0.95);
+            }
+            if !has_alpha {
+                let with = warped(&matted(), vec![layer("all", bent(), matte.clone())], &settings).0;
+                let differs = |&pixel: &usize| (sum(pixel) - samples(&with, "A")[pixel].clamp(0.0, 1.0)).abs() > 1e-3;
+                assert_eq!((0..FRAME.area()).find(differs), None, "{name}, {filter:?}");
+                continue;
+            }
+            assert!(between > 20, "{name}, {filter:?}: there are soft edges: {between}");
+        }
+    }
+}
+
+#[test]
+fn coverages_of_a_filled_hole_add_up_too() {
+    let ball = Matte::Cryptomatte { layer: Some("CryptoObject".into()), names: vec!["ball".into()] };
+    let mut clean = matted();
+    for channel in &mut clean.parts[0].channels {
+        let value = match channel.name.as_str() {
+            "CryptoObject00.R" => MatteId::of_name("wall").sample(),
+            "CryptoObject00.G" | "A" => 1.0,
+            _ => 0.0,
+        };
+        channel.samples.fill(value);
+    }
+    for filter in [Filter::Ewa, Filter::Cubic] {
+        let settings = WarpSettings { filter, ..WarpSettings::default() };
+        let layers = vec![layer("ball", bent(), Some(ball.clone()))];
+        let job = PlateJob { layers, settings: &settings, fill: Some(&clean) };
+        let (moved, _) = warp_plate(&matted(), &job).expect("warped");
+        for pixel in 0..FRAME.area() {
+            let (sum, alpha) = (at(&moved, pixel).values().sum::<f32>(), samples(&moved, "A")[pixel].clamp(0.0, 1.0));
+            assert!((sum - alpha).abs() < 1e-3, "{filter:?}, {pixel}: {sum} {alpha}");
+        }
     }
 }
 
