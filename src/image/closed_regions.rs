@@ -307,6 +307,43 @@ mod tests {
     }
 
     #[test]
+    fn lines_that_meet_or_cross_an_outline_end_at_its_outer_edge() {
+        // A bar with an outline, turned, over two lines: one crosses it, the other ends at it.
+        let place = |k: u32| (f64::from(k % SIDE) - 39.5, f64::from(k / SIDE) - 39.5);
+        for (turn, wide) in
+            [0.0, 0.35, 0.785, 1.2].into_iter().flat_map(|turn| [3.0, 5.0, 6.0].map(|wide| (turn, wide)))
+        {
+            let (sin, cos) = f64::sin_cos(turn);
+            let box_distance = move |(x, y): (f64, f64)| {
+                let (u, v) = ((cos * x + sin * y).abs() - 24.0, (cos * y - sin * x).abs() - 9.0);
+                u.max(v).min(0.0) + u.max(0.0).hypot(v.max(0.0))
+            };
+            let is_ink = |at: (f64, f64)| {
+                let line = |off: f64| (at.0 - off).abs() < 0.5 * wide;
+                // Inside the outline is paper, and the outline has pointed corners.
+                let (u, v) = ((cos * at.0 + sin * at.1).abs(), (cos * at.1 - sin * at.0).abs());
+                let is_outline = u < 24.0 + wide && v < 9.0 + wide && box_distance(at) > 0.0;
+                is_outline || box_distance(at) > 0.0 && (line(2.0) || line(-14.0) && at.1 < 0.0)
+            };
+            let light: Vec<f32> = (0..SIDE * SIDE).map(|k| if is_ink(place(k)) { 0.0 } else { 1.0 }).collect();
+            let window = PixelRect { x: 0, y: 0, width: SIDE, height: SIDE };
+            let drawing =
+                Drawing::of([&light, &light, &light, &vec![1.0; light.len()]], window, [SIDE; 2]).expect("not empty");
+            let found = drawing.regions(LineRule { threshold: 0.25, gap: 0.02, line: 0.12 });
+            let bar = label(&found, 40, 40);
+            let map = found.map(&[bar]);
+            for (k, &owner) in map.labels.iter().enumerate() {
+                let at = place(k as u32);
+                let (u, v) = ((cos * at.0 + sin * at.1).abs() - 24.0, (cos * at.1 - sin * at.0).abs() - 9.0);
+                let off = u.max(v);
+                // The steps of cells make an outline up to a cell wider or narrower.
+                let is_right = if off < wide - 1.0 { owner == bar } else { owner != bar || off < wide + 1.5 };
+                assert!(is_right, "{turn}, {wide}: {at:?} is {off:.1} from the bar, of region {owner}, not {bar}");
+            }
+        }
+    }
+
+    #[test]
     fn a_dot_on_a_line_is_a_region_and_takes_no_more_of_the_line_than_is_beside_it() {
         let found = disc(4.0, 8.0);
         assert_eq!(found.areas.len(), 3);
