@@ -98,10 +98,9 @@ impl Lines<'_> {
                 let mut is_corner = reaches(from, square(from, seed, width));
                 while let Some(&cell) = rest.get(next).filter(|_| is_corner) {
                     next += 1;
-                    for near in around(width, height, cell).filter(|&near| self.is_free(map, near)) {
-                        if rest.contains(&near) {
-                            continue;
-                        }
+                    let is_new = |near: &usize| self.is_free(map, *near) && !rest.contains(near);
+                    let beside: Vec<usize> = around(width, height, cell).filter(is_new).collect();
+                    for near in beside {
                         // What was seen before belongs to a line that leads farther.
                         is_corner &= seen.insert(near) && reaches(from, square(from, near, width));
                         rest.push(near);
