@@ -85,6 +85,27 @@ fn keys_of_handles_and_pins_are_pasted_to_those_of_their_names() {
 }
 
 #[test]
+fn without_a_selected_key_those_of_the_selected_pins_in_this_frame_are_copied() {
+    let stage = Stage::with(PINS);
+    let mut session = stage.session();
+    session.selection.pins.extend([[0, 0], [0, 1]]);
+    session.go(4);
+    session.copy_keys();
+    assert!(session.message().is_some_and(|text| text.contains("pins that have keys")), "{:?}", session.message());
+    session.go(3);
+    session.copy_keys();
+    assert_eq!(session.message(), Some("Copied 2 keys"));
+    session.go(4);
+    session.paste_keys();
+    let keys = |pin: usize| &session.document().shot().layers[0].pins[pin].keys;
+    assert_eq!(
+        (times(&session, [0, 0]), times(&session, [0, 1])),
+        (vec![1.0, 3.0, 4.0, 6.0], vec![2.0, 3.0, 4.0, 5.0])
+    );
+    assert_eq!((keys(0)[2].goal, keys(1)[2].goal), (keys(0)[1].goal, keys(1)[1].goal));
+}
+
+#[test]
 fn a_handle_has_curves_in_per_cent_of_the_box() {
     let stage = Stage::with(HANDLE);
     let mut session = stage.session();

@@ -3,7 +3,7 @@
 use super::acts::{choose, click, number, press, write};
 use super::seen::{pictures, says, texts};
 use super::stage::{PINS, Stage};
-use super::window::{Window, changes, opened_with, place, pointer, session, until};
+use super::window::{Window, changes, opened_with, place, pointer, session, settled, until};
 use eframe::egui::{Key, Modifiers};
 use pinwarp::pipeline::{Pause, PreparedShot, RenderOptions, render};
 use pinwarp::raster::DeviceChoice;
@@ -46,7 +46,15 @@ fn what_is_ordered_is_rendered_and_told() {
     let told = session(&window).message().unwrap_or_default();
     assert_eq!(told, format!("Rendered: 1 EXR frame in {}", folder.display()));
     assert!(says(&window, "1 EXR frame to draw"), "{:?}", texts(&window));
-    assert!(!stage.folder.path().join("out").exists() && session(&window).document().text() == text);
+    let usual = stage.folder.path().join("out");
+    assert!(!usual.exists() && session(&window).document().text() == text);
+    // Another shot is rendered as it says.
+    let ctx = window.ctx.clone();
+    window.state_mut().as_mut().expect("open").open(&ctx, &stage.shot()).expect("it opens");
+    settled(&mut window);
+    press(&mut window, Modifiers::COMMAND, Key::R);
+    ended(&mut window);
+    assert_eq!(files(&usual).iter().filter(|name| name.ends_with(".exr")).count(), 6);
 }
 
 #[test]

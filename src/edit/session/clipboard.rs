@@ -36,17 +36,25 @@ impl Copied {
 }
 
 impl Session {
-    /// Copies the selected keys.
+    /// Copies the selected keys; if there are none, those of the selected pins and handles in the current frame.
     pub(crate) fn copy_keys(&mut self) {
-        if self.selection.keys.is_empty() {
-            return self.say("No key is selected: click one in the timeline first.");
-        }
         let shot = self.document.shot();
-        let copy = |track: Track| {
-            let keys = track.keys(shot)?.only(&self.selection.times_of(track));
-            Some(Copied { track, name: track.name(shot), keys })
+        let frame = self.playhead.frame();
+        let copy = |(track, times): (Track, Vec<f64>)| {
+            let keys = track.keys(shot)?.only(&times);
+            (!keys.times().is_empty()).then(|| Copied { track, name: track.name(shot), keys })
         };
-        self.copied = self.selection.keyed().into_iter().filter_map(copy).collect();
+        let selected = self.selection.keyed().into_iter().map(|track| (track, self.selection.times_of(track)));
+        let mut copied: Vec<Copied> = selected.filter_map(copy).collect();
+        if copied.is_empty() {
+            let in_frame = |track: Track| (track, vec![key_time(&shot.frames, &shot.layers[track.layer()], frame)]);
+            copied = self.selection.tracks(shot).into_iter().map(in_frame).filter_map(copy).collect();
+        }
+        if copied.is_empty() {
+            return self
+                .say("No key is selected: click one in the timeline, or select pins that have keys in this frame.");
+        }
+        self.copied = copied;
         let count: usize = self.copied.iter().map(|copied| copied.keys.times().len()).sum();
         self.say(format!("Copied {}", pluralised(count, "key", "keys")));
     }

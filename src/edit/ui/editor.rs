@@ -179,6 +179,7 @@ impl Editor {
             session.resume_run(run);
         }
         self.shows_render &= session.run().is_some();
+        self.render_order = RenderOrder::default();
         self.session = Some(session);
     }
 
