@@ -8,9 +8,10 @@ use pinwarp::raster::{ChannelGroup, DeviceChoice};
 use pinwarp::shot::{Goal, LayerSpace, Shot};
 use pinwarp::solve::Settings;
 use pinwarp::space::{FrameSize, ScreenVector};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{LazyLock, Mutex};
+use std::sync::{Arc, LazyLock, Mutex};
 
 /// Rows of a picture.
 const HEIGHT: u32 = 60;
@@ -20,17 +21,33 @@ pub(crate) struct Case {
     /// Name of its file.
     pub(crate) name: &'static str,
     what: What,
-    /// A shot that is ready to be drawn, for every device.
-    prepared: Mutex<Option<PreparedShot>>,
 }
 
 enum What {
     /// A frame of a scene's shot, changed.
-    Shot { scene: &'static str, frame: i32, change: fn(&mut Shot) },
+    Shot { scene: &'static str, frame: i32, change: Change },
     /// The flag's picture, warped as a plate.
     Plate(Filter),
     /// The STMap of that warp.
     Map,
+}
+
+/// What is changed in a shot.
+#[derive(Clone, Copy)]
+enum Change {
+    /// The scene or its warp.
+    Warp(fn(&mut Shot)),
+    /// The samples or the channels: these cases of a scene share what is loaded and solved.
+    Picture(fn(&mut Shot)),
+}
+
+/// A shot that is loaded and solved when it is first drawn.
+type Kept = Arc<Mutex<Option<PreparedShot>>>;
+
+/// A shot for all its pictures, on every device.
+fn kept(name: &'static str) -> Kept {
+    static ALL: Mutex<BTreeMap<&str, Kept>> = Mutex::new(BTreeMap::new());
+    Arc::clone(ALL.lock().expect("nothing fails at it").entry(name).or_default())
 }
 
 impl Case {
@@ -42,11 +59,15 @@ impl Case {
     pub(crate) fn draw(&self, device: DeviceChoice) -> Result<Frame, PipelineError> {
         match self.what {
             What::Shot { scene, frame, change } => {
-                let mut prepared = self.prepared.lock().expect("no other test fails at it");
-                if prepared.is_none() {
-                    *prepared = Some(PreparedShot::new(small(scene, change))?);
+                let shot = small(scene, change);
+                let kept = kept(if matches!(change, Change::Picture(_)) { scene } else { self.name });
+                let mut kept = kept.lock().expect("no other test fails at it");
+                if kept.is_none() {
+                    *kept = Some(PreparedShot::new(shot.clone())?);
                 }
-                drawn(prepared.as_mut().expect("it was set"), frame, device)
+                let prepared = kept.as_mut().expect("it was set");
+                (prepared.shot.samples, prepared.shot.output.channels) = (shot.samples, shot.output.channels);
+                drawn(prepared, frame, device)
             }
             What::Plate(filter) => Ok(warped(filter)),
             What::Map => Ok(map()),
@@ -64,12 +85,13 @@ impl Case {
 }
 
 /// A scene's shot, small and changed.
-fn small(scene: &str, change: fn(&mut Shot)) -> Shot {
+fn small(scene: &str, change: Change) -> Shot {
     let mut shot = Shot::read(&scenes().join(scene).join("shot.toml")).expect("the scene's shot is right");
     let columns = (shot.size.aspect() * f64::from(HEIGHT)).round();
     shot.size = FrameSize::new(columns as u32, HEIGHT);
     shot.samples = 4;
     shot.output.channels = vec![ChannelGroup::Beauty];
+    let (Change::Warp(change) | Change::Picture(change)) = change;
     change(&mut shot);
     shot
 }
@@ -201,41 +223,42 @@ pub(crate) fn cases() -> &'static [Case] {
 }
 
 fn make_cases() -> Vec<Case> {
-    let case = |name, what| Case { name, what, prepared: Mutex::new(None) };
+    use Change::{Picture, Warp};
+    let case = |name, what| Case { name, what };
     let shot = |name, scene, frame, change| case(name, What::Shot { scene, frame, change });
     vec![
-        shot("teapot.0001", "teapot", 1, as_it_is),
-        shot("teapot.0012", "teapot", 12, as_it_is),
-        shot("teapot.0024", "teapot", 24, as_it_is),
-        shot("teapot.unwarped", "teapot", 12, unwarped),
-        shot("teapot.channels", "teapot", 12, all_channels),
-        shot("teapot.cryptomatte", "teapot", 12, cryptomatte),
-        shot("teapot.bernstein", "teapot", 12, bernstein),
-        shot("teapot.bilinear", "teapot", 12, bilinear),
-        shot("teapot.barytri", "teapot", 12, barytri),
-        shot("teapot.paper", "teapot", 12, paper),
-        shot("teapot.half", "teapot", 12, half_strength),
-        shot("teapot.coarse", "teapot", 12, coarse),
-        shot("teapot.one_sample", "teapot", 12, one_sample),
-        shot("teapot.wide_pixels", "teapot", 12, wide_pixels),
-        shot("gingerman.0004", "gingerman", 4, as_it_is),
-        shot("gingerman.0008", "gingerman", 8, as_it_is),
-        shot("gingerman.0016", "gingerman", 16, as_it_is),
-        shot("gingerman.channels", "gingerman", 8, all_channels),
-        shot("walker.0003", "walker", 3, as_it_is),
-        shot("walker.0007", "walker", 7, as_it_is),
-        shot("walker.0031", "walker", 31, as_it_is),
-        shot("walker.channels", "walker", 7, all_channels),
-        shot("walker.open_shutter", "walker", 7, open_shutter),
-        shot("hare.0001", "hare", 1, as_it_is),
-        shot("hare.0008", "hare", 8, as_it_is),
-        shot("hare.0020", "hare", 20, as_it_is),
-        shot("hare.channels", "hare", 8, all_channels),
-        shot("flag.0001", "flag", 1, as_it_is),
-        shot("flag.0007", "flag", 7, as_it_is),
-        shot("cat.0008", "cat", 8, as_it_is),
-        shot("cat.0012", "cat", 12, as_it_is),
-        shot("puppet.0011", "puppet", 11, as_it_is),
+        shot("teapot.0001", "teapot", 1, Picture(as_it_is)),
+        shot("teapot.0012", "teapot", 12, Picture(as_it_is)),
+        shot("teapot.0024", "teapot", 24, Picture(as_it_is)),
+        shot("teapot.unwarped", "teapot", 12, Warp(unwarped)),
+        shot("teapot.channels", "teapot", 12, Picture(all_channels)),
+        shot("teapot.cryptomatte", "teapot", 12, Picture(cryptomatte)),
+        shot("teapot.bernstein", "teapot", 12, Warp(bernstein)),
+        shot("teapot.bilinear", "teapot", 12, Warp(bilinear)),
+        shot("teapot.barytri", "teapot", 12, Warp(barytri)),
+        shot("teapot.paper", "teapot", 12, Warp(paper)),
+        shot("teapot.half", "teapot", 12, Warp(half_strength)),
+        shot("teapot.coarse", "teapot", 12, Warp(coarse)),
+        shot("teapot.one_sample", "teapot", 12, Picture(one_sample)),
+        shot("teapot.wide_pixels", "teapot", 12, Warp(wide_pixels)),
+        shot("gingerman.0004", "gingerman", 4, Picture(as_it_is)),
+        shot("gingerman.0008", "gingerman", 8, Picture(as_it_is)),
+        shot("gingerman.0016", "gingerman", 16, Picture(as_it_is)),
+        shot("gingerman.channels", "gingerman", 8, Picture(all_channels)),
+        shot("walker.0003", "walker", 3, Picture(as_it_is)),
+        shot("walker.0007", "walker", 7, Picture(as_it_is)),
+        shot("walker.0031", "walker", 31, Picture(as_it_is)),
+        shot("walker.channels", "walker", 7, Picture(all_channels)),
+        shot("walker.open_shutter", "walker", 7, Warp(open_shutter)),
+        shot("hare.0001", "hare", 1, Picture(as_it_is)),
+        shot("hare.0008", "hare", 8, Picture(as_it_is)),
+        shot("hare.0020", "hare", 20, Picture(as_it_is)),
+        shot("hare.channels", "hare", 8, Picture(all_channels)),
+        shot("flag.0001", "flag", 1, Picture(as_it_is)),
+        shot("flag.0007", "flag", 7, Picture(as_it_is)),
+        shot("cat.0008", "cat", 8, Picture(as_it_is)),
+        shot("cat.0012", "cat", 12, Picture(as_it_is)),
+        shot("puppet.0011", "puppet", 11, Picture(as_it_is)),
         case("plate.ewa", What::Plate(Filter::Ewa)),
         case("plate.cubic", What::Plate(Filter::Cubic)),
         case("plate.lanczos", What::Plate(Filter::Lanczos)),
