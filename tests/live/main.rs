@@ -2,6 +2,8 @@
 
 mod alpha_regions;
 mod branches;
+#[path = "../support/drawn_girl.rs"]
+mod drawn_girl;
 mod files;
 mod pixels;
 mod polls;

@@ -37,11 +37,12 @@ const LIMITS: [Limits; 5] = [
     Limits { channels: &["id.object", "id.layer"], mean: 0.0, most: 0.0 },
 ];
 
-/// The teapot that comes with the program, in small.
+/// The teapot that comes with the program, in small, and its frames solved alone.
 fn teapot() -> Shot {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/teapot/shot.toml");
     let mut shot = Shot::read(&path).expect("a right shot");
-    shot.size = FrameSize::new(480, 270);
+    (shot.size, shot.samples) = (FrameSize::new(480, 270), 8);
+    shot.layers[0].settings.temporal = 0.0;
     shot
 }
 
@@ -230,6 +231,8 @@ fn walker() -> Shot {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/walker/shot.toml");
     let mut shot = Shot::read(&path).expect("a right shot");
     (shot.size, shot.samples) = (FrameSize::new(320, 180), 4);
+    // Vectors point to the frames beside those of the pictures.
+    shot.solve_range = [FRAMES[0] - 1, FRAMES[1] + 1];
     shot
 }
 

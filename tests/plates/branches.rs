@@ -2,6 +2,7 @@
 
 use super::agreement::{FRAMES, Pair, at, frames, prepared, warped};
 use super::assets::asset;
+use super::drawn_girl::small_girl;
 use pinwarp::export::LatticeFile;
 use pinwarp::image::{Durability, Frame};
 use pinwarp::pipeline::{Existing, PlateWarp, PreparedShot, WarpDirection, WarpJob, lattices, warp_frames};
@@ -67,17 +68,17 @@ pub(super) fn check(shot: &PreparedShot, pair: &Pair) -> Vec<Apart> {
 /// The drawn girl that comes with the program.
 static PUPPET: LazyLock<Pair> = LazyLock::new(|| Pair::of(puppet()));
 
-/// The girl with so few handles that a lattice can have twice as many spans across.
+/// The girl at half her size, with so few handles that a lattice can have twice as many spans across; her frames are solved alone.
 fn puppet_path() -> PathBuf {
     static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
-        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/puppet");
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("coarse_puppet");
         std::fs::create_dir_all(&folder).expect("a folder");
-        std::fs::copy(own.join("puppet.png"), folder.join("puppet.png")).expect("copied");
-        let text = std::fs::read_to_string(own.join("shot.toml")).expect("it comes with the program");
+        let text = small_girl(&folder);
         let path = folder.join("shot.toml");
-        assert!(text.contains("dims = \"auto\""), "{text}");
-        std::fs::write(&path, text.replace("dims = \"auto\"", "dims = [24, 57]")).expect("written");
+        let lattice = "lattice = { dims = \"auto\"";
+        assert!(text.contains(lattice), "{text}");
+        let alone = "solve = { temporal = 0 }\nlattice = { dims = [24, 57]";
+        std::fs::write(&path, text.replace(lattice, alone)).expect("written");
         path
     });
     PATH.clone()
@@ -90,7 +91,7 @@ fn puppet() -> Shot {
 #[test]
 fn a_drawing_as_a_plate_goes_where_the_drawing_goes() {
     let branching = check(&PUPPET.shot, &PUPPET);
-    assert!(branching.iter().all(|apart| apart.covered > 100_000 && apart.holes + apart.off < 100), "{branching:?}");
+    assert!(branching.iter().all(|apart| apart.covered > 40_000 && apart.holes + apart.off < 60), "{branching:?}");
     let mut shot = puppet();
     shot.layers[0].settings.topology = Topology::Plain;
     let plain = check(&prepared(shot), &PUPPET).remove(0);
@@ -137,23 +138,23 @@ fn lattice_files_and_maps_carry_branches() {
     pinwarp(&["export", path.to_str().expect("UTF-8"), "--to", "stmap", "--frames", "8,12", "-o", map_path]);
     let of_file = |file| PlateWarp::Lattices { file, strength: 1.0, matte: None };
     let finer = LatticeFile::read(&finer).expect("read");
-    let cases = [("file", of_file(file), 200), ("finer", of_file(finer), 200), ("maps", PlateWarp::Maps(maps), 1500)];
-    for (name, warp, most) in cases {
+    let cases = [("file", of_file(file)), ("finer", of_file(finer)), ("maps", PlateWarp::Maps(maps))];
+    for (name, warp) in cases {
         let warped = warped_by(warp, plates.path());
         let both = warped.iter().zip(&pair.moved.frames);
         let found: Vec<Apart> = both.map(|(plate, geometry)| apart(plate, geometry)).collect();
         println!("{name}: {found:?}");
-        assert!(found.iter().all(|apart| apart.holes + apart.off < most), "{name}: {found:?}");
+        assert!(found.iter().all(|apart| apart.holes + apart.off < 60), "{name}: {found:?}");
     }
 }
 
-/// A fox that walks: a front paw is pulled ahead, over the other leg; the rest is held.
+/// A fox that walks: a front paw is pulled ahead, over the other leg; the rest is held. Its frames are solved alone.
 fn walking_fox(angle: f64) -> Option<Shot> {
     let scene = asset("gltf-samples/Fox.glb")?;
     let mut text = format!(
         "version = 1\nscene = '{}'\ncamera = 'left'\nframes = {{ first = 1, last = 17, rate = 24, clip = 'Walk' }}\n\
          size = [640, 360]\nsamples = 8\nshutter = {{ angle = {angle} }}\n[output]\nchannels = ['beauty', 'depth', 'motion', 'id']\n\
-         [[layer]]\nname = 'all'\nlattice = {{ dims = [40, 30], topology = 'branching' }}\n",
+         [[layer]]\nname = 'all'\nlattice = {{ dims = [40, 30], topology = 'branching' }}\nsolve = {{ temporal = 0 }}\n",
         scene.display()
     );
     let pins = [[1.037, 0.13], [1.445, 0.184], [0.86, 0.13], [0.60, 0.14], [1.0, 0.62], [0.7, 0.65], [1.62, 0.7]];

@@ -2,6 +2,8 @@
 
 #[path = "../support/assets.rs"]
 mod assets;
+#[path = "../support/drawn_girl.rs"]
+mod drawn_girl;
 #[path = "../support/tiny.rs"]
 mod tiny;
 

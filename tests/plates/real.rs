@@ -104,10 +104,10 @@ fn beachball(name: &str) -> Option<PathBuf> {
 }
 
 #[test]
-fn three_frames_in_many_parts_go_through() {
+fn frames_in_many_parts_go_through() {
     let Some(plate) = beachball("multipart.####.exr") else { return };
-    let (folder, events) = warp(&plate, shot([2048, 1556], 3));
-    for frame in 1..=3 {
+    let (folder, events) = warp(&plate, shot([2048, 1556], 2));
+    for frame in 1..=2 {
         let name = format!("multipart.{frame:04}.exr");
         check_frame(&plate.with_file_name(name), &folder.path().join(format!("w.{frame:04}.exr")));
     }
