@@ -19,6 +19,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
+use toml_edit::{Array, DocumentMut};
 
 fn opened(path: &Path) -> Session {
     let document = open(path, FileAccess::SceneFolder).expect("it opens");
@@ -59,6 +60,17 @@ fn is_edited(session: &mut Session, on: [f64; 2]) {
     }
 }
 
+/// A shot of a model that the editor writes, with a small picture and few frames.
+fn small(shot: &str) -> String {
+    let mut shot: DocumentMut = shot.parse().expect("TOML");
+    shot["size"] = [192, 108].into_iter().collect::<Array>().into();
+    if let Some(frames) = shot.get_mut("frames") {
+        frames["last"] = 4.into();
+    }
+    shot["solve_range"] = [1, 4].into_iter().collect::<Array>().into();
+    shot.to_string()
+}
+
 #[test]
 fn models_of_others_are_edited() {
     // Places where something is seen in the first frame, in parts of the frame's width and height.
@@ -72,9 +84,8 @@ fn models_of_others_are_edited() {
         let own = folder.path().join(path.file_name().expect("a file"));
         fs::copy(&path, &own).expect("copied");
         let document = open(&own, FileAccess::SceneFolder).expect("it opens");
-        let small = document.text().replace("1920, 1080", "192, 108");
         let path = own.with_extension("toml");
-        fs::write(&path, small).expect("written");
+        fs::write(&path, small(document.text())).expect("written");
         let mut session = opened(&path);
         let aspect = session.shot().size.aspect();
         is_edited(&mut session, [x * aspect, y]);

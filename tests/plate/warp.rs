@@ -22,7 +22,7 @@ fn bits(plate: &Plate) -> Vec<PartBits> {
 }
 
 fn beachballs() -> Vec<Plate> {
-    let names = ["multipart.0001.exr", "multipart.0002.exr", "multipart.0003.exr", "singlepart.0001.exr"];
+    let names = ["multipart.0001.exr", "singlepart.0001.exr"];
     let path = |name: &str| asset(&format!("openexr-images/Beachball/{name}"));
     names.iter().filter_map(|name| path(name)).map(|path| read_plate(&path).expect("it is sound")).collect()
 }

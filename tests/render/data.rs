@@ -28,6 +28,8 @@ fn cases() -> Vec<Case> {
     let small = |mut shot: Shot, angle: f64| {
         shot.size = FrameSize::new((shot.size.aspect() * 72.0).round() as u32, 72);
         shot.shutter = Shutter { angle, phase: -angle / 2.0 };
+        // One frame is drawn.
+        shot.layers.iter_mut().for_each(|layer| layer.settings.temporal = 0.0);
         shot
     };
     let of_scene = |scene: &str, frame, angle| {

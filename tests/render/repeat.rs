@@ -13,6 +13,7 @@ fn studio() -> Studio {
     let mut studio = Studio::teapot(96, 54);
     studio.shot.samples = 2;
     studio.shot.shutter = Shutter { angle: 180.0, phase: -90.0 };
+    studio.shot.solve_range = [8, 14];
     studio
 }
 

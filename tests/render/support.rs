@@ -7,7 +7,6 @@ use pinwarp::raster::{DeviceChoice, Raster};
 use pinwarp::shot::{Goal, Pin, Shot};
 use pinwarp::space::{FrameSize, ScreenVector};
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 use tempfile::TempDir;
 
@@ -142,12 +141,6 @@ impl Studio {
         prepared.shot.output.path = folder.join("f.####.exr");
         RenderOptions { frames: frames.to_vec(), device: DeviceChoice::Cpu, ..RenderOptions::default() }
     }
-}
-
-/// The drawn girl with automatic dims and branches, prepared once for all tests.
-pub(crate) fn automatic_puppet() -> &'static PreparedShot {
-    static PUPPET: OnceLock<PreparedShot> = OnceLock::new();
-    PUPPET.get_or_init(|| Studio::puppet("\"auto\"", "branching").prepared())
 }
 
 /// The files of frames, all of which were rendered.

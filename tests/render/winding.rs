@@ -3,7 +3,9 @@
 use super::support::Studio;
 use super::tiny::{Tiny, grid};
 use pinwarp::lattice::ScreenLattice;
+use pinwarp::pipeline::PreparedShot;
 use std::fmt::Write;
+use std::sync::LazyLock;
 
 /// A tall strip; its lower end is held, its upper end turns by `degrees` in 8 keys, 5 frames apart.
 fn strip(degrees: f64, solve: &str) -> Studio {
@@ -34,8 +36,23 @@ fn strip(degrees: f64, solve: &str) -> Studio {
     studio
 }
 
-fn lattices(studio: &Studio, frames: std::ops::RangeInclusive<i32>) -> Vec<ScreenLattice> {
-    let prepared = studio.prepared();
+/// A whole turn that may not fold, in a picture of 640 x 400 pixels, solved over time once for all tests.
+static GUARDED: LazyLock<PreparedShot> = LazyLock::new(|| large(""));
+
+/// A whole turn that may fold.
+static FOLDING: LazyLock<PreparedShot> = LazyLock::new(|| large(FOLDS));
+
+/// What a layer says that may fold.
+const FOLDS: &str = "solve = { guard = \"report\" }";
+
+fn large(solve: &str) -> PreparedShot {
+    let mut studio = strip(360.0, solve);
+    studio.shot.size.height *= 10;
+    studio.shot.size.width *= 10;
+    studio.prepared()
+}
+
+fn lattices(prepared: &PreparedShot, frames: std::ops::RangeInclusive<i32>) -> Vec<ScreenLattice> {
     let lattice = |frame| {
         let sample = prepared.sample_at(f64::from(frame)).expect("it is solved");
         sample.layers[0].solution.as_ref().expect("it has pins").lattice.clone()
@@ -56,18 +73,18 @@ fn moves(lattices: &[ScreenLattice]) -> Vec<f64> {
 
 #[test]
 fn a_whole_turn_does_not_jump() {
-    let turned = |(degrees, solve): (f64, &str)| {
-        let mut found = lattices(&strip(degrees, solve), 1..=41);
+    let turned = |(name, prepared): (&str, &PreparedShot)| {
+        let mut found = lattices(prepared, 1..=41);
         let steps = moves(&found);
         // 9 degrees a frame; the loop's far side swings by its diameter a radian, about 0.3 frame heights.
-        assert!(steps.iter().all(|&step| step < 0.12), "{degrees}: {steps:?}");
+        assert!(steps.iter().all(|&step| step < 0.12), "{name}: {steps:?}");
         let total: f64 = steps.iter().sum();
-        assert!(total > 0.5, "{total}");
+        assert!(total > 0.5, "{name}: {total}");
         found.remove(40)
     };
     // Both ways end at the same targets and, where so few handles may fold, at mirrored loops.
-    let folding = "solve = { guard = \"report\" }";
-    let turns = [(360.0, folding), (-360.0, folding), (360.0, ""), (360.0, "solve = { temporal = 0.3 }")];
+    let right = strip(-360.0, FOLDS).prepared();
+    let turns = [("to the left", &*FOLDING), ("to the right", &right), ("guarded", &*GUARDED)];
     let [left, right, ..] = turns.map(turned);
     let [a, b] = [left.evaluate([0.8, 0.5]), right.evaluate([0.8, 0.5])];
     assert!((a[0] + b[0] - 2.0 * 0.8).abs() < 0.02 && (a[0] - b[0]).abs() > 0.05, "{a:?} {b:?}");
@@ -75,7 +92,7 @@ fn a_whole_turn_does_not_jump() {
 
 #[test]
 fn a_frame_alone_is_the_frame_in_sequence() {
-    let studio = strip(360.0, "");
+    let studio = strip(360.0, "solve = { temporal = 0 }");
     let sequence = studio.files(&[36, 37, 38, 39, 40]);
     let alone = studio.files(&[40]);
     let bytes = |path: &std::path::PathBuf| std::fs::read(path).expect("the frame is there");
@@ -85,15 +102,11 @@ fn a_frame_alone_is_the_frame_in_sequence() {
 
 #[test]
 fn nothing_folds_unless_the_shot_allows_it() {
-    let folded = |solve: &str| {
-        let mut studio = strip(360.0, solve);
-        studio.shot.size.height *= 10;
-        studio.shot.size.width *= 10;
-        let prepared = studio.prepared();
+    let folded = |prepared: &PreparedShot| {
         let mut cells = 0;
         for frame in [1, 6, 11, 21, 31, 41] {
             let sample = prepared.sample_at(f64::from(frame)).expect("it is solved");
-            let report = pinwarp::pipeline::report(&prepared, frame, &sample);
+            let report = pinwarp::pipeline::report(prepared, frame, &sample);
             let layer = &report.layers[0].solve;
             cells += layer.folded_model_cells;
             // What gives way is told.
@@ -104,6 +117,6 @@ fn nothing_folds_unless_the_shot_allows_it() {
         }
         cells
     };
-    assert!(folded("solve = { guard = \"report\" }") > 0);
-    assert_eq!(folded(""), 0);
+    assert!(folded(&FOLDING) > 0);
+    assert_eq!(folded(&GUARDED), 0);
 }
