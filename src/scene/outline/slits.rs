@@ -5,7 +5,8 @@
 use rayon::prelude::*;
 
 /// Returns the pixels below a threshold that lie in a gap: along a row, a column or a diagonal they are among at most `widest` such pixels
-/// between two others. `alpha`: #pixels, rows of `width`.
+/// between two others. With them come the pixels beside those found along rows and columns: before the mouth of a gap a dilation would
+/// connect its sides. `alpha`: #pixels, rows of `width`.
 pub(super) fn slits(alpha: &[f32], width: usize, edge: f32, widest: usize) -> Vec<usize> {
     let height = alpha.len() / width.max(1);
     // Returns the number of steps to the first covered pixel.
@@ -15,14 +16,26 @@ pub(super) fn slits(alpha: &[f32], width: usize, edge: f32, widest: usize) -> Ve
             place.is_some_and(|(x, y)| x < width && y < height && alpha[y * width + x] >= edge)
         })
     };
-    let is_slit = |pixel: &usize| {
+    let is_between = |pixel: usize, [dx, dy]: [isize; 2]| {
         let at = [pixel % width, pixel / width];
-        let is_between = |[dx, dy]: [isize; 2]| {
-            steps(at, [dx, dy])
-                .zip(steps(at, [-dx, -dy]))
-                .is_some_and(|(before, after)| before + after <= widest as isize + 1)
-        };
-        alpha[*pixel] < edge && [[1, 0], [0, 1], [1, 1], [1, -1]].into_iter().any(is_between)
+        let ends = steps(at, [dx, dy]).zip(steps(at, [-dx, -dy]));
+        ends.is_some_and(|(before, after)| before + after <= widest as isize + 1)
     };
-    (0..alpha.len()).into_par_iter().filter(is_slit).collect()
+    let is_straight = |pixel: usize| [[1, 0], [0, 1]].into_iter().any(|step| is_between(pixel, step));
+    let is_diagonal = |pixel: usize| [[1, 1], [1, -1]].into_iter().any(|step| is_between(pixel, step));
+    let found = |pixel: usize| -> Vec<usize> {
+        let (x, y) = (pixel % width, pixel / width);
+        if alpha[pixel] >= edge {
+            Vec::new()
+        } else if is_straight(pixel) {
+            let rows = y.saturating_sub(1)..(y + 2).min(height);
+            let around = rows.flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
+            around.filter(|near| alpha[*near] < edge).collect()
+        } else if is_diagonal(pixel) {
+            vec![pixel]
+        } else {
+            Vec::new()
+        }
+    };
+    (0..alpha.len()).into_par_iter().flat_map_iter(found).collect()
 }
