@@ -79,7 +79,7 @@ fn a_host_shows_what_the_program_renders() {
     };
     let found = off(&seen);
     println!("{found} of {} pixels differ", window.area());
-    assert!(found < 75, "{found}");
+    assert!(found < 150, "{found}");
     // A host that takes the field alone moves all with the largest branch.
     let mut one = (*warp).clone();
     one.parts.clear();
