@@ -60,10 +60,10 @@ fn rendered(shot: &str, path: &Path, name: &str) -> Vec<PathBuf> {
 
 #[test]
 fn a_model_is_opened_pinned_keyed_played_saved_and_rendered() {
-    let Some(fox) = asset("gltf-samples/Fox.glb") else { return };
+    let Some(knight) = asset("kaykit/Knight.glb") else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = folder.path().join("Fox.glb");
-    fs::copy(fox, &scene).expect("copied");
+    let scene = folder.path().join("Knight.glb");
+    fs::copy(knight, &scene).expect("copied");
     // The shot beside it is the one that the editor writes, but small, so that it is drawn in no time.
     let shot = scene.with_extension("toml");
     let text = open(&scene, FileAccess::SceneFolder).expect("it opens").text().to_owned();
@@ -82,7 +82,7 @@ fn a_model_is_opened_pinned_keyed_played_saved_and_rendered() {
     write(&mut window, "Path", &scene.display().to_string());
     click(&mut window, &["Choose"]);
     settled(&mut window);
-    for (x, y) in [(0.41, 0.56), (0.46, 0.5), (0.52, 0.55)] {
+    for (x, y) in [(0.505, 0.33), (0.47, 0.45), (0.53, 0.6)] {
         place_pin(&mut window, x, y);
     }
     settled(&mut window);
