@@ -28,6 +28,7 @@
 
 pub mod space;
 
+mod disjoint_sets;
 mod files;
 mod key_fault;
 mod simd;

@@ -48,7 +48,7 @@ pub(crate) use pack::Packed;
 #[cfg(any(test, feature = "cli"))]
 pub(crate) use pack::pack;
 pub(crate) use pictures::{Picture, picture_cards};
-pub(crate) use solid::SolidVertices;
+pub(crate) use solid::{SolidVertices, position_bits};
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::path::PathBuf;

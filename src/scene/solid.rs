@@ -4,6 +4,7 @@
 //! position count as one, also those of different primitives.
 
 use super::{Mesh, Primitive};
+use crate::disjoint_sets::DisjointSets;
 use foldhash::fast::FixedState;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -38,31 +39,35 @@ fn find(mesh: &Mesh) -> Vec<Vec<bool>> {
         });
         own.filter(|[a, b, c]| a != b && b != c && c != a)
     };
-    let mut parents: Vec<u32> = (0..places.len() as u32).collect();
+    let mut sets = DisjointSets::of(places.len());
     let mut edges: Vec<(u32, u32, bool)> = Vec::new();
     for [a, b, c] in triangles() {
         for [from, to] in [[a, b], [b, c], [c, a]] {
             edges.push((from.min(to), from.max(to), from < to));
-            let [from, to] = [root(&mut parents, from), root(&mut parents, to)];
-            parents[from.max(to) as usize] = from.min(to);
+            sets.join([from as usize, to as usize]);
         }
     }
     edges.par_sort_unstable();
     let mut surfaces = vec![Surface::default(); places.len()];
     for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let upwards = edge.iter().filter(|(.., is_upwards)| *is_upwards).count();
-        surfaces[root(&mut parents, edge[0].0) as usize].has_border |= 2 * upwards != edge.len();
+        surfaces[sets.root(edge[0].0 as usize)].has_border |= 2 * upwards != edge.len();
     }
     for corners in triangles() {
-        let own = root(&mut parents, corners[0]) as usize;
-        let [a, b, c] = corners.map(|corner| (places[corner as usize] - places[own]).as_dvec3());
+        let own = sets.root(corners[0] as usize);
+        let [a, b, c] = corners.map(|corner| places[corner as usize].as_dvec3() - places[own].as_dvec3());
         surfaces[own].volume += a.dot(b.cross(c));
     }
     let mut is_solid = |&vertex: &u32| {
-        let Surface { has_border, volume } = surfaces[root(&mut parents, vertex) as usize];
+        let Surface { has_border, volume } = surfaces[sets.root(vertex as usize)];
         !has_border && volume > 0.0
     };
     merged.iter().map(|own| own.iter().map(&mut is_solid).collect()).collect()
+}
+
+/// Returns the bits of a position, of which equal ones have the same: adding 0 turns -0 into 0.
+pub(crate) fn position_bits(position: Vec3) -> [u32; 3] {
+    (position + 0.0).to_array().map(f32::to_bits)
 }
 
 /// Numbers the places where vertices are. Returns those of each primitive's vertices, and the places.
@@ -70,8 +75,7 @@ fn merge_vertices(mesh: &Mesh) -> (Vec<Vec<u32>>, Vec<Vec3>) {
     let mut numbers: HashMap<[u32; 3], u32, FixedState> = HashMap::default();
     let mut places: Vec<Vec3> = Vec::new();
     let mut number = |position: &Vec3| {
-        let key = (*position + 0.0).to_array().map(f32::to_bits);
-        *numbers.entry(key).or_insert_with(|| {
+        *numbers.entry(position_bits(*position)).or_insert_with(|| {
             places.push(*position);
             places.len() as u32 - 1
         })
@@ -79,15 +83,6 @@ fn merge_vertices(mesh: &Mesh) -> (Vec<Vec<u32>>, Vec<Vec3>) {
     let of_primitive = |primitive: &Primitive| primitive.positions.iter().map(&mut number).collect();
     let merged = mesh.primitives.iter().map(of_primitive).collect();
     (merged, places)
-}
-
-/// Returns the first of the vertices with which a vertex hangs together.
-fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
-    while parents[vertex as usize] != vertex {
-        parents[vertex as usize] = parents[parents[vertex as usize] as usize];
-        vertex = parents[vertex as usize];
-    }
-    vertex
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@
 use super::adjacency::PlacedLink;
 use super::cell_parts::CellParts;
 use super::cuts::Cut;
-use super::disjoint_sets::DisjointSets;
 use super::support_box::SupportBox;
+use crate::disjoint_sets::DisjointSets;
 use crate::lattice::Grid;
 
 /// Stands for a component without terminals.

@@ -5,9 +5,9 @@
 
 use super::adjacency::{Adjacency, PlacedLink};
 use super::cuts::Cut;
-use super::disjoint_sets::DisjointSets;
 use super::link::LinkKind;
 use super::support_box::{ROUNDING, SupportBox};
+use crate::disjoint_sets::DisjointSets;
 use crate::lattice::Grid;
 use std::ops::Range;
 

@@ -6,9 +6,9 @@
 use super::cell_connections::{CellConnections, connection};
 use super::cell_parts::{CellParts, ComponentFinder};
 use super::cuts::Cut;
-use super::disjoint_sets::DisjointSets;
 use super::support_box::{SupportBox, cells_between};
 use super::tie_nodes::{Role, TieNodes};
+use crate::disjoint_sets::DisjointSets;
 use crate::lattice::Grid;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};

@@ -16,7 +16,6 @@ mod continuation;
 mod copies;
 mod crossings;
 mod cuts;
-mod disjoint_sets;
 mod far_points;
 mod inner_width;
 mod islands;

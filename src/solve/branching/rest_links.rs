@@ -3,10 +3,10 @@
 //!
 //! In: points and triangles at rest, 2D or 3D. Out: [`Link`]s.
 
-use super::disjoint_sets::DisjointSets;
 use super::islands::Islands;
 use super::link::{Link, LinkEnd, LinkKind};
 use super::nearest_point::nearest_barycentric;
+use crate::disjoint_sets::DisjointSets;
 use crate::solve::counting_sort::counting_sort_then_by;
 use crate::solve::linalg::small_matrix::distance;
 use crate::solve::merge_duplicates::merge_duplicates;

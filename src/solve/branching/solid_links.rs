@@ -5,9 +5,9 @@
 //! opposite side, or to another island close below. Open surfaces with nothing below have no such links; solids whose triangles all face
 //! inwards are read as if they faced outwards.
 
-use super::disjoint_sets::DisjointSets;
 use super::link::{Link, LinkEnd, LinkKind};
 use super::ray::Ray;
+use crate::disjoint_sets::DisjointSets;
 use crate::solve::linalg::small_matrix::{distance, dot, minus};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};

@@ -2,7 +2,7 @@
 //!
 //! In: the parts of a node. Out: a [`MeshGraph`] with edge lengths at rest.
 
-use crate::scene::Primitive;
+use crate::scene::{Primitive, position_bits};
 use glam::Vec3;
 use std::collections::HashMap;
 use twox_hash::XxHash3_128;
@@ -35,7 +35,7 @@ impl MeshGraph {
             let mut joint = vec![Self::UNUSED; primitive.positions.len()];
             for &corner in primitive.triangles.iter().flatten() {
                 let vertex = corner as usize;
-                let key = (bits(primitive.positions[vertex]), motion(primitive, vertex));
+                let key = (position_bits(primitive.positions[vertex]), motion(primitive, vertex));
                 joint[vertex] = *known.entry(key).or_insert_with(|| {
                     places.push(primitive.positions[vertex]);
                     places.len() as u32 - 1
@@ -70,11 +70,6 @@ impl MeshGraph {
     }
 }
 
-fn bits(place: Vec3) -> [u32; 3] {
-    // Adding 0 turns -0 into 0, so that both count as the same position.
-    (place + 0.0).to_array().map(f32::to_bits)
-}
-
 /// Hashes everything that can move a vertex relative to others at the same position: skin and morph targets.
 fn motion(primitive: &Primitive, vertex: usize) -> u128 {
     let mut words: Vec<u32> = Vec::new();
@@ -88,7 +83,7 @@ fn motion(primitive: &Primitive, vertex: usize) -> u128 {
         words.extend(tied.into_iter().flat_map(|(joint, weight)| [u32::from(joint), weight]));
     }
     for target in &primitive.targets {
-        words.extend(bits(target.positions.get(vertex).copied().unwrap_or_default()));
+        words.extend(position_bits(target.positions.get(vertex).copied().unwrap_or_default()));
     }
     XxHash3_128::oneshot(bytemuck::cast_slice(&words))
 }

@@ -3,18 +3,18 @@
 //! In: pairs to unite. Out: the smallest member of any set.
 
 /// A partition of the numbers below a count.
-pub(super) struct DisjointSets {
+pub(crate) struct DisjointSets {
     parents: Vec<usize>,
 }
 
 impl DisjointSets {
     /// Creates one set per number.
-    pub(super) fn of(count: usize) -> Self {
+    pub(crate) fn of(count: usize) -> Self {
         Self { parents: (0..count).collect() }
     }
 
     /// The smallest member of the set that contains a number.
-    pub(super) fn root(&mut self, mut number: usize) -> usize {
+    pub(crate) fn root(&mut self, mut number: usize) -> usize {
         while self.parents[number] != number {
             self.parents[number] = self.parents[self.parents[number]];
             number = self.parents[number];
@@ -23,7 +23,7 @@ impl DisjointSets {
     }
 
     /// Unites the sets of two numbers.
-    pub(super) fn join(&mut self, [a, b]: [usize; 2]) {
+    pub(crate) fn join(&mut self, [a, b]: [usize; 2]) {
         let (a, b) = (self.root(a), self.root(b));
         self.parents[a.max(b)] = a.min(b);
     }
