@@ -22,7 +22,7 @@ use crate::image::cryptomatte::MatteId;
 use crate::pose::PosedLight;
 use crate::space::{FrameSize, PixelRect, ScenePoint};
 use bytemuck::{Pod, Zeroable};
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 
 /// One vertex, ready to draw. All fields except `screen`, `next` and `previous` are unwarped.
 ///
@@ -49,6 +49,14 @@ pub struct RasterVertex {
     pub uv: [f32; 4],
     /// Linear vertex colour.
     pub color: [f32; 4],
+}
+
+impl RasterVertex {
+    /// Returns the warped position on the screen; arbitrary if w is not positive.
+    pub(crate) fn on_screen(&self) -> DVec2 {
+        let [x, y, _, w] = self.screen.map(f64::from);
+        DVec2::new(x, y) / w
+    }
 }
 
 /// The Cryptomattes that a frame can have: by node names, material names, and the shot's layer names.

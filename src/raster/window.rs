@@ -32,8 +32,7 @@ impl WindowFromScreen {
 
     /// Returns the window pixels of a vertex, not snapped; arbitrary if w is not positive.
     pub(super) fn point(&self, vertex: &RasterVertex) -> DVec2 {
-        let [x, y, _, w] = vertex.screen.map(f64::from);
-        DVec2::new(x, y) / w * self.scale + self.offset
+        vertex.on_screen() * self.scale + self.offset
     }
 
     /// Returns the vertex in clip space of a window of `size` pixels, y down, on the sub-pixel grid of the window: the

@@ -4,9 +4,8 @@
 //! around. Without a warp the front faces of a closed surface cover all of its back faces, so culling these saves time and shows the same. Where
 //! layers or branches move apart, or the warp folds, the front opens, and what lies behind the opening is the inside of the back.
 
-use super::vertex::VertexList;
+use super::vertex::{VertexList, warped_doubled_area};
 use crate::raster::RasterVertex;
-use glam::DVec2;
 
 /// Factor of z by which back faces lie farther away than they are: where they meet the front faces, at outlines, the front is visible.
 const BEHIND: f32 = 1.0 - 1e-4;
@@ -27,8 +26,8 @@ pub(super) fn add_backs(
     }
     // After the warp triangles still face the way that they did before.
     let is_back = |corners: &[u32; 3]| {
-        let side = side(corners, &vertices);
-        list.is_solid(corners[0]) && side != 0.0 && (side < 0.0) != is_mirrored
+        let area = warped_doubled_area(corners, &vertices);
+        list.is_solid(corners[0]) && area != 0.0 && (area < 0.0) != is_mirrored
     };
     let is_back: Vec<bool> = triangles.iter().map(is_back).collect();
     let backs = is_back.iter().filter(|is_back| **is_back).count();
@@ -59,15 +58,6 @@ pub(super) fn add_backs(
         from = end;
     }
     (vertices, all, all_ends)
-}
-
-/// Twice the area of a warped triangle on the screen; positive if its corners are counter-clockwise.
-fn side(corners: &[u32; 3], vertices: &[RasterVertex]) -> f64 {
-    let [a, b, c] = corners.map(|corner| {
-        let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
-        DVec2::new(x, y) / w
-    });
-    (b - a).perp_dot(c - a)
 }
 
 /// A vertex whose surface faces the other way.

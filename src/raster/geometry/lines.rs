@@ -101,7 +101,7 @@ pub(super) fn add_ribbon(
 
 /// Returns the left and right border of every point; `points` has at least two.
 fn sides(points: &[RasterVertex], (camera, width): (&Camera, f64)) -> Vec<[RasterVertex; 2]> {
-    let places: Vec<DVec2> = points.iter().map(place).collect();
+    let places: Vec<DVec2> = points.iter().map(RasterVertex::on_screen).collect();
     let is_closed = places.len() > 3 && places.first() == places.last();
     let last = places.len() - 1;
     let direction = |from: usize, to: usize| (places[to] - places[from]).normalize_or_zero();
@@ -135,11 +135,6 @@ fn miter(before: DVec2, after: DVec2) -> DVec2 {
     let left = tangent.perp();
     let straight = if before == DVec2::ZERO { after } else { before };
     left / left.dot(straight.perp()).max(1.0 / MITER_LIMIT)
-}
-
-fn place(point: &RasterVertex) -> DVec2 {
-    let [x, y, _, w] = point.screen.map(f64::from);
-    DVec2::new(x, y) / w
 }
 
 /// Returns a vertex displaced from the line, at all three times, with its normal facing the viewer.

@@ -25,13 +25,12 @@ use crate::screen::{Camera, primitive};
 use assembly::BuiltPart;
 use backs::{Faces, add_backs};
 use edge_bends::{EdgeBends, LatticeCurvatures};
-use glam::DVec2;
 use lines::LineClipper;
 use rayon::prelude::*;
 use split::Splitter;
 use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) use vertex::vertex_triangles;
-use vertex::{ClipVertex, DepthRange, VertexList};
+use vertex::{ClipVertex, DepthRange, VertexList, doubled_area, warped_doubled_area};
 
 /// Polled for cancellation; returns true once the result is no longer wanted.
 pub(crate) type IsCancelled<'a> = dyn Fn() -> bool + Sync + 'a;
@@ -183,14 +182,9 @@ fn ribbons(
 /// fold shows its visible side instead of opening a hole. Returns whether any of them faced the viewer clearly: those seen edge-on, along
 /// every outline, turn under the slightest warp and open nothing.
 fn keep_facing(triangles: &mut [[u32; 3]], list: &VertexList, vertices: &[RasterVertex]) -> bool {
-    let side = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
     let turned = triangles.par_iter_mut().with_min_len(2048).filter_map(|corners| {
         let [a, b, c] = corners.map(|corner| list.projected(corner).point().0);
-        let before = side([a, b, c]);
-        let after = side(corners.map(|corner| {
-            let [x, y, _, w] = vertices[corner as usize].screen.map(f64::from);
-            DVec2::new(x, y) / w
-        }));
+        let (before, after) = (doubled_area([a, b, c]), warped_doubled_area(corners, vertices));
         let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
         (before * after < 0.0).then(|| {
             corners.swap(1, 2);

@@ -11,7 +11,7 @@ use crate::raster::RasterVertex;
 use crate::scene::Primitive;
 use crate::screen::{Camera, Projected, primitive};
 use crate::space::ScenePoint;
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 /// A vertex before the warp, as needed by clipping and splitting: all its fields are linear over its triangle in scene
@@ -212,6 +212,16 @@ impl ClipVertex {
             color: self.color.to_array(),
         }
     }
+}
+
+/// Returns twice the area of a triangle; positive if its corners are counter-clockwise.
+pub(super) fn doubled_area([a, b, c]: [DVec2; 3]) -> f64 {
+    (b - a).perp_dot(c - a)
+}
+
+/// Returns the same for a warped triangle on the screen.
+pub(super) fn warped_doubled_area(corners: &[u32; 3], vertices: &[RasterVertex]) -> f64 {
+    doubled_area(corners.map(|corner| vertices[corner as usize].on_screen()))
 }
 
 /// Returns a triangle of every vertex, the first one, #vertices; 0 for vertices without triangles.
