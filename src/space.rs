@@ -6,6 +6,7 @@
 mod window;
 
 pub use window::PixelRect;
+pub(crate) use window::{around, with_neighbours};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec3};

@@ -6,11 +6,12 @@
 
 use super::LabelMap;
 use super::ink::Ink;
-use super::label_map::{NO_LABEL, neighbours, with_neighbours};
+use super::label_map::{NO_LABEL, neighbours};
 use super::line_owners::Lines;
 use super::squared_distance::squared_distances;
 use super::srgb::srgb_byte;
 use crate::space::PixelRect;
+use crate::space::with_neighbours;
 use rayon::prelude::*;
 
 /// Number of cells along the longer side of a drawing; larger drawings are read in cells of several pixels.

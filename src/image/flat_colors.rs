@@ -2,8 +2,9 @@
 //!
 //! In: a plate. Out: a [`LabelMap`] of its display window with one label per colour.
 
-use super::label_map::{NO_LABEL, around};
+use super::label_map::NO_LABEL;
 use super::{LabelMap, Plate};
+use crate::space::around;
 use std::collections::HashMap;
 
 /// The channels of a colour, and what stands in for those that are missing.

@@ -4,8 +4,8 @@
 //! (J. Serra, "Image Analysis and Mathematical Morphology", 1982, chapter XII); what is wider, such as black hair, is none. Nor is what has
 //! darker ink beside it, such as a dark sleeve within its outline.
 
-use super::label_map::around;
 use super::squared_distance::squared_distances;
+use crate::space::around;
 use rayon::prelude::*;
 
 /// Contrast of the paler rim of a line, which belongs to it, 0 to 255: less is not seen beside the line.

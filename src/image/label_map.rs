@@ -3,7 +3,6 @@
 //! In: labels of some pixels. Out: [`LabelMap`], whose pixels without a label take the nearest one.
 
 use std::collections::VecDeque;
-use std::ops::Range;
 
 /// The label of pixels that belong to nothing.
 pub(crate) const NO_LABEL: u32 = 0;
@@ -58,17 +57,6 @@ pub(crate) fn neighbours([width, height]: [u32; 2], pixel: usize) -> [Option<usi
         (y > 0).then(|| pixel - width),
         (y + 1 < height).then(|| pixel + width),
     ]
-}
-
-/// Returns the row or column of a pixel with those beside it, of `count`.
-pub(super) fn with_neighbours(at: usize, count: usize) -> Range<usize> {
-    at.saturating_sub(1)..(at + 2).min(count)
-}
-
-/// Returns a pixel with the up to eight around it.
-pub(super) fn around(width: usize, height: usize, pixel: usize) -> impl Iterator<Item = usize> {
-    let (x, y) = (pixel % width, pixel / width);
-    with_neighbours(y, height).flat_map(move |y| with_neighbours(x, width).map(move |x| y * width + x))
 }
 
 #[cfg(test)]

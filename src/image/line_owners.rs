@@ -6,7 +6,8 @@
 
 use super::LabelMap;
 use super::ink::Ink;
-use super::label_map::{NO_LABEL, around};
+use super::label_map::NO_LABEL;
+use crate::space::around;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// How far a region reaches into a line that ends there, widths of the line: to the point of a corner, whose diagonal is longer.

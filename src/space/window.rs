@@ -136,6 +136,17 @@ impl PixelRect {
     }
 }
 
+/// Returns the row or column of a pixel with those beside it, of `count`.
+pub(crate) fn with_neighbours(at: usize, count: usize) -> Range<usize> {
+    at.saturating_sub(1)..(at + 2).min(count)
+}
+
+/// Returns a pixel with the up to eight around it.
+pub(crate) fn around(width: usize, height: usize, pixel: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    with_neighbours(y, height).flat_map(move |y| with_neighbours(x, width).map(move |x| y * width + x))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

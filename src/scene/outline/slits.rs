@@ -2,6 +2,7 @@
 //!
 //! In: alpha of pixels. Out: the pixels in gaps up to a width.
 
+use crate::space::around;
 use rayon::prelude::*;
 
 /// Returns the pixels below a threshold that lie in a gap: along a row, a column or a diagonal they are among at most `widest` such pixels
@@ -24,13 +25,10 @@ pub(super) fn slits(alpha: &[f32], width: usize, edge: f32, widest: usize) -> Ve
     let is_straight = |pixel: usize| [[1, 0], [0, 1]].into_iter().any(|step| is_between(pixel, step));
     let is_diagonal = |pixel: usize| [[1, 1], [1, -1]].into_iter().any(|step| is_between(pixel, step));
     let found = |pixel: usize| -> Vec<usize> {
-        let (x, y) = (pixel % width, pixel / width);
         if alpha[pixel] >= edge {
             Vec::new()
         } else if is_straight(pixel) {
-            let rows = y.saturating_sub(1)..(y + 2).min(height);
-            let around = rows.flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x));
-            around.filter(|near| alpha[*near] < edge).collect()
+            around(width, height, pixel).filter(|near| alpha[*near] < edge).collect()
         } else if is_diagonal(pixel) {
             vec![pixel]
         } else {
