@@ -100,7 +100,7 @@ pub(super) fn show(
     }
     session.shown.is_hidden = is_held(ui.ctx(), shortcuts, Action::Hide);
     session.show_before(is_held(ui.ctx(), shortcuts, Action::Before));
-    scroll(ui, &response, rect, session, pan);
+    scroll(ui, &response, session, &lens, pan);
     match pan.drag(ui, &response, shortcuts) {
         Some(by) => session.zoom = session.zoom.panned(&lens, DVec2::new(by.x.into(), by.y.into())),
         None => pen::follow(ui, &response, (session, &lens), shortcuts),
@@ -133,18 +133,17 @@ pub(super) fn show(
 }
 
 /// Zooms by the wheel or by a pinch, and pans by the middle button or by two fingers on a trackpad.
-fn scroll(ui: &Ui, response: &egui::Response, rect: Rect, session: &mut Session, pan: &mut Pan) {
-    let lens = session.zoom.lens(session.shot().size, session.viewport);
+fn scroll(ui: &Ui, response: &egui::Response, session: &mut Session, lens: &Lens, pan: &mut Pan) {
     let scroller = pan.scroller(ui);
     let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
     let (wheel, mut by) = match scroller {
         Scroller::Wheel => (scroll.y, vec2(scroll.x, 0.0)),
         Scroller::Trackpad => (0.0, scroll),
     };
-    let pointer = response.hover_pos().map(|at| at - rect.min);
+    let pointer = response.hover_pos().map(|at| at - response.rect.min);
     let factor = f64::from(pinch) * f64::from(wheel / 240.0).exp();
     if let Some(at) = pointer.filter(|_| factor != 1.0) {
-        session.zoom = session.zoom.zoomed(&lens, DVec2::new(at.x.into(), at.y.into()), factor);
+        session.zoom = session.zoom.zoomed(lens, DVec2::new(at.x.into(), at.y.into()), factor);
         return;
     }
     by = if pointer.is_some() { by } else { vec2(0.0, 0.0) };
@@ -152,7 +151,7 @@ fn scroll(ui: &Ui, response: &egui::Response, rect: Rect, session: &mut Session,
         by += response.drag_delta();
     }
     if by != vec2(0.0, 0.0) {
-        session.zoom = session.zoom.panned(&lens, DVec2::new(by.x.into(), by.y.into()));
+        session.zoom = session.zoom.panned(lens, DVec2::new(by.x.into(), by.y.into()));
     }
 }
 
