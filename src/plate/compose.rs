@@ -213,6 +213,9 @@ fn compose_cryptomattes(
     planes: &mut OutputPlanes,
 ) {
     let entries = group.of(&[Semantic::Cryptomatte]);
+    let Some(first) = entries.first() else { return };
+    let alpha = rank_alpha(compositor, (composite, group), first.alpha, planes);
+    let mut composed = OutputPlanes::new();
     for matte in compositor.table.matte_layers(entries.iter().copied()) {
         let samples = |index: ChannelIndex| &compositor.table.channel(index).samples[..];
         let entry = |index: ChannelIndex| entries.iter().find(|entry| entry.index == index);
@@ -223,32 +226,27 @@ fn compose_cryptomattes(
             name: &matte.name,
             ranks: matte.ranks.iter().map(|rank| [samples(rank.id), samples(rank.coverage)]).collect(),
             filling: if has_holes { fillings.flatten().collect() } else { Vec::new() },
-            alpha: rank_alpha(
-                compositor,
-                (composite, group),
-                matte.ranks.first().and_then(|rank| entry(rank.id)),
-                planes,
-            ),
+            alpha: &alpha,
         };
         let gathered = gathered_ranks(composite, &ranks, &group.occlusion, compositor.context);
         for (rank, [ids, coverage]) in matte.ranks.iter().zip(gathered) {
-            planes.insert(rank.id, ids);
-            planes.insert(rank.coverage, coverage);
+            composed.insert(rank.id, ids);
+            composed.insert(rank.coverage, coverage);
         }
     }
+    planes.append(&mut composed);
     // Half a pair of rank channels cannot be decoded: treat it as data.
     let alone: Vec<&ChannelEntry> = entries.into_iter().filter(|entry| !planes.contains_key(&entry.index)).collect();
     compositor.copy(&alone, (composite, group), planes);
 }
 
-/// Returns the alpha that belongs to a Cryptomatte; `rank`: one of its channels.
+/// Returns the alpha that belongs to the Cryptomattes of a group; `index`: its channel.
 fn rank_alpha<'a>(
     compositor: &'a PlateCompositor,
     (composite, group): (&Composite, &AlphaGroup),
-    rank: Option<&&ChannelEntry>,
+    index: Option<ChannelIndex>,
     planes: &'a OutputPlanes,
 ) -> RankAlpha<'a> {
-    let index = rank.and_then(|rank| rank.alpha);
     let entry = composite.entries.iter().find(|entry| Some(entry.index) == index);
     let filling = entry.and_then(|entry| compositor.fill(entry, composite, Filter::Nearest));
     let source = index.and_then(|index| compositor.alpha(index, composite));

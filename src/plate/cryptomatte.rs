@@ -30,7 +30,7 @@ pub(super) struct CryptomatteRanks<'a> {
     pub(super) ranks: Vec<Rank<'a>>,
     /// Ranks of the fill plate, over the composite's window; empty if no plate fills holes.
     pub(super) filling: Vec<[Vec<f32>; 2]>,
-    pub(super) alpha: RankAlpha<'a>,
+    pub(super) alpha: &'a RankAlpha<'a>,
 }
 
 /// The alpha that the coverages of a Cryptomatte add up to.
