@@ -9,7 +9,7 @@ use crate::image::cryptomatte::MatteId;
 use crate::pipeline::draw::geometry_thread::geometry_of;
 use crate::pipeline::draw::{draw_tiles, tiles};
 use crate::pipeline::evaluate::camera_cuts::exposure_time;
-use crate::pipeline::{PipelineError, PreparedShot, plan_passes};
+use crate::pipeline::{PassPlan, PipelineError, PreparedShot, plan_passes};
 use crate::plate::{Coverage, Front, SurfacePicture};
 use crate::raster::{self, ChannelGroup, DeviceChoice, Draw, Geometry, MATTE_LAYERS, Pass, Raster, Target};
 use crate::shot::LayerSpace;
@@ -51,6 +51,8 @@ impl MovingGroup {
 pub(super) struct Fronts<'a> {
     prepared: &'a PreparedShot,
     groups: Vec<MovingGroup>,
+    /// The passes of a frame.
+    plan: Vec<PassPlan>,
     /// Opened for the size of the first plate, and again for plates of another size.
     maps: Option<SurfaceMaps<'a>>,
     device: Option<Box<dyn Raster + Send>>,
@@ -74,7 +76,10 @@ impl<'a> Fronts<'a> {
         };
         let has_rest = (0..prepared.assignment.node_of_part.len()).any(|part| !is_moved(part));
         let is_known = !groups.is_empty() && has_rest && !(0..layers.len()).any(is_elsewhere);
-        is_known.then_some(Self { prepared, groups, maps: None, device: None })
+        is_known.then(|| {
+            let plan = plan_passes(prepared.shot.samples, prepared.shot.shutter);
+            Self { prepared, groups, plan, maps: None, device: None }
+        })
     }
 
     /// Returns the fronts of a frame by layer, for the pixels of a plate; none if nothing is in front.
@@ -128,11 +133,9 @@ impl<'a> Fronts<'a> {
         has_rest: bool,
         device: &mut dyn Raster,
     ) -> Result<Frame, PipelineError> {
-        let shot = &self.prepared.shot;
         let channels = vec![ChannelGroup::Cryptomatte];
-        device.start(&Target { frame: size, window, channels, beauty_passes: shot.samples.max(1) })?;
-        let plan = plan_passes(shot.samples, shot.shutter);
-        for same_time in plan.chunk_by(|a, b| a.time_frames == b.time_frames) {
+        device.start(&Target { frame: size, window, channels, beauty_passes: self.prepared.shot.samples.max(1) })?;
+        for same_time in self.plan.chunk_by(|a, b| a.time_frames == b.time_frames) {
             let time = exposure_time(self.prepared, frame, f64::from(frame) + same_time[0].time_frames);
             let mut geometry = geometry_of(self.prepared, &*self.prepared.sample_at(time)?, None);
             self.mark(&mut geometry, has_rest);
